@@ -1,0 +1,164 @@
+#include "command.hpp"
+
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <iostream>
+#include <memory>
+#include <new>
+
+#include <unistd.h>
+
+#include "batten/core/error.hpp"
+
+namespace batten::cli {
+
+namespace {
+
+enum ExitCode { kOk = 0, kWorkFailed = 1, kBadUsage = 2, kBadInput = 3 };
+
+std::atomic<bool> interrupted{false};
+
+/// The work of the subcommand that was chosen, run after parsing so that usage errors come first.
+struct Chosen {
+  CLI::App* command = nullptr;
+  Work work;
+  bool json = false;
+};
+Chosen chosen;
+
+Progress terminal_progress() {
+  const bool visible = isatty(STDERR_FILENO) != 0;
+  auto last = std::make_shared<std::chrono::steady_clock::time_point>();
+  return Progress([visible, last](std::string_view stage, double fraction) {
+    const auto now = std::chrono::steady_clock::now();
+    if (visible && now - *last > std::chrono::milliseconds(100)) {
+      *last = now;
+      std::fprintf(stderr, "\r\033[K%.*s %3.0f %%", static_cast<int>(stage.size()), stage.data(),
+                   100 * fraction);
+    }
+    return !interrupted.load();
+  });
+}
+
+void clear_progress_line() {
+  if (isatty(STDERR_FILENO) != 0) std::fprintf(stderr, "\r\033[K");
+}
+
+/// The value of an option as JSON: numbers and booleans as such, everything else as text.
+Json option_value(const CLI::Option& option) {
+  const auto typed = [](const std::string& text) -> Json {
+    Json parsed = Json::parse(text, nullptr, false);
+    if (parsed.is_number() || parsed.is_boolean()) return parsed;
+    return text;
+  };
+  if (option.get_expected_max() == 0) return option.count() > 0;
+  if (option.count() == 0)
+    return option.get_default_str().empty() ? Json(nullptr) : typed(option.get_default_str());
+  if (option.results().size() == 1) return typed(option.results().front());
+  Json list = Json::array();
+  for (const std::string& text : option.results()) list.push_back(typed(text));
+  return list;
+}
+
+Json option_values(const CLI::App& command) {
+  Json values = Json::object();
+  for (const CLI::Option* option : command.get_options()) {
+    const std::string name = option->get_single_name();
+    if (name == "help" || name == "json") continue;
+    values[name] = option_value(*option);
+  }
+  return values;
+}
+
+void print(const Outcome& outcome) {
+  if (!chosen.json) {
+    for (const std::string& line : outcome.lines) std::cout << line << '\n';
+    for (const std::string& warning : outcome.warnings) std::cerr << "warning: " << warning << '\n';
+    return;
+  }
+  Json object = Json::object();
+  object["command"] = chosen.command->get_name();
+  for (const auto& [key, value] : outcome.figures.items()) object[key] = value;
+  object["options"] = option_values(*chosen.command);
+  Json seconds = Json::object();
+  for (const auto& [stage, time] : outcome.times.stages()) seconds[stage] = time;
+  seconds["total"] = outcome.times.total();
+  object["seconds"] = seconds;
+  object["warnings"] = outcome.warnings;
+  std::cout << object.dump(2) << '\n';
+}
+
+int fail(ExitCode code, std::string_view sentence) {
+  clear_progress_line();
+  std::cerr << "batten: " << sentence << '\n';
+  return code;
+}
+
+int run_chosen() {
+  Context context;
+  context.progress = terminal_progress();
+  try {
+    const Outcome outcome = chosen.work(context);
+    clear_progress_line();
+    print(outcome);
+    std::cout.flush();
+    if (!std::cout) return fail(kBadInput, "standard output cannot be written");
+    return kOk;
+  } catch (const CLI::Error& error) {
+    return fail(kBadUsage, error.what());
+  } catch (const InvalidInput& error) {
+    return fail(kBadInput, error.what());
+  } catch (const Error& error) {
+    return fail(kWorkFailed, error.what());
+  } catch (const std::bad_alloc&) {
+    return fail(kWorkFailed, "not enough memory for this input; try a larger --step");
+  } catch (const std::exception& error) {
+    return fail(kWorkFailed, std::string("unexpected failure, please report it: ") + error.what());
+  }
+}
+
+}  // namespace
+
+CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& description,
+                      const std::string& example, Work work) {
+  CLI::App* command = app.add_subcommand(name, description);
+  command->footer("Example:\n  " + example);
+  command->add_flag("--json", chosen.json, "Print exactly one JSON object to standard output");
+  command->option_defaults()->always_capture_default();
+  command->callback([command, work = std::move(work)] {
+    chosen.command = command;
+    chosen.work = work;
+  });
+  return command;
+}
+
+int run(int argc, char** argv) {
+  std::signal(SIGINT, [](int) { interrupted = true; });
+  CLI::App app("Batten turns curves traced on an object into a fair surface.", "batten");
+  app.require_subcommand(1);
+  app.set_version_flag("--version", "batten " BATTEN_VERSION);
+  // add_simulate(app);
+  // add_calibrate(app);
+  // add_network(app);
+  // add_surface(app);
+  // add_reconstruct(app);
+  // add_compare(app);
+  // add_convert(app);
+  // add_render(app);
+  // add_info(app);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& request) {  // --help, --version
+    return app.exit(request);
+  } catch (const CLI::ParseError& error) {
+    app.exit(error);
+    return kBadUsage;
+  } catch (const InvalidInput& error) {  // a length or an angle that does not parse
+    return fail(kBadUsage, error.what());
+  }
+  return run_chosen();
+}
+
+}  // namespace batten::cli

@@ -1,0 +1,52 @@
+#pragma once
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "batten/core/progress.hpp"
+#include "batten/core/stage_times.hpp"
+
+namespace batten::cli {
+
+using Json = nlohmann::ordered_json;
+
+/// What every command gives back: the one object printed by --json, or the lines printed without it.
+struct Outcome {
+  Json figures = Json::object();      ///< counts and figures, at the top level of the object
+  StageTimes times;                   ///< becomes "seconds"
+  std::vector<std::string> warnings;  ///< becomes "warnings"; printed to stderr without --json
+  std::vector<std::string> lines;     ///< printed to stdout without --json
+};
+
+/// The surroundings of a command that runs.
+struct Context {
+  Progress progress;  ///< draws a line on a terminal, silent elsewhere; Ctrl-C cancels
+};
+
+using Work = std::function<Outcome(Context&)>;
+
+/// Adds a subcommand. `options` are listed by CLI11 as usual; the values of all of them, given or default,
+/// are repeated in the "options" of the JSON object. `--json` and `--report` are added here.
+/// @param example one line, shown at the end of --help.
+CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& description,
+                      const std::string& example, Work work);
+
+/// Runs the program. Exit codes: 0 ok, 1 the work failed, 2 bad usage, 3 bad input.
+int run(int argc, char** argv);
+
+// One function per command, each in its own source; registered in main.cpp.
+void add_simulate(CLI::App& app);
+void add_calibrate(CLI::App& app);
+void add_network(CLI::App& app);
+void add_surface(CLI::App& app);
+void add_reconstruct(CLI::App& app);
+void add_compare(CLI::App& app);
+void add_convert(CLI::App& app);
+void add_render(CLI::App& app);
+void add_info(CLI::App& app);
+
+}  // namespace batten::cli

@@ -1,0 +1,50 @@
+# A room of the library: one folder of src/batten, one static library batten_<room> (alias batten::<room>).
+#
+#   batten_room(NAME mesh PURPOSE "..." USES core linalg SOURCES a.cpp b.cpp [PRIVATE targets...])
+#
+# USES lists the rooms whose headers may be included. The includes of every file in the folder are held
+# against it here, at configure time, so that the order of the rooms (README, "The house") cannot decay.
+function(batten_room)
+  cmake_parse_arguments(ROOM "" "NAME;PURPOSE" "USES;SOURCES;PRIVATE;DEFINITIONS" ${ARGN})
+  set(target batten_${ROOM_NAME})
+  add_library(${target} STATIC ${ROOM_SOURCES})
+  add_library(batten::${ROOM_NAME} ALIAS ${target})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${ROOM_NAME} POSITION_INDEPENDENT_CODE ON)
+  target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src>
+                                              $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  target_compile_features(${target} PUBLIC cxx_std_20)
+  target_link_libraries(${target} PUBLIC Eigen3::Eigen PRIVATE $<BUILD_INTERFACE:batten_warnings>)
+  foreach(used IN LISTS ROOM_USES)
+    target_link_libraries(${target} PUBLIC batten_${used})
+  endforeach()
+  if(ROOM_PRIVATE)
+    target_link_libraries(${target} PRIVATE ${ROOM_PRIVATE})
+  endif()
+  if(ROOM_DEFINITIONS)
+    target_compile_definitions(${target} PRIVATE ${ROOM_DEFINITIONS})
+  endif()
+
+  file(GLOB files CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.hpp ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  foreach(file IN LISTS files)
+    file(STRINGS ${file} lines REGEX "^#include \"batten/")
+    foreach(line IN LISTS lines)
+      string(REGEX REPLACE "^#include \"batten/([a-z_]+)/.*" "\\1" included "${line}")
+      if(NOT included STREQUAL ROOM_NAME AND NOT included IN_LIST ROOM_USES)
+        message(FATAL_ERROR "${file} includes the room '${included}', which '${ROOM_NAME}' may not use. "
+                            "A room uses only the rooms that its CMakeLists.txt lists.")
+      endif()
+    endforeach()
+  endforeach()
+
+  set_property(GLOBAL APPEND PROPERTY BATTEN_ROOMS ${ROOM_NAME})
+endfunction()
+
+# Warnings and sanitizers of our own code; not passed on to those who use the installed package.
+add_library(batten_warnings INTERFACE)
+target_compile_options(batten_warnings INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Werror
+                       $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized -Wno-array-bounds -Wno-stringop-overflow>)
+if(BATTEN_SANITIZE)
+  # -O1: the suite runs five times faster than at -O0 and finds the same errors.
+  add_compile_options(-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer -O1 -g1)
+  add_link_options(-fsanitize=address,undefined)
+endif()

@@ -1,0 +1,212 @@
+#include "batten/linalg/sparse_cholesky.hpp"
+
+#include <algorithm>
+#include <vector>
+
+#include <Eigen/SparseCholesky>
+
+#include "batten/core/error.hpp"
+
+#ifdef BATTEN_HAS_CHOLMOD
+#include <cholmod.h>
+// Present when the BLAS in use is OpenBLAS. Its sums depend on the number of threads, and ours must not.
+extern "C" void openblas_set_num_threads(int n) __attribute__((weak));
+#endif
+
+namespace batten {
+
+namespace {
+
+/// The pattern of the matrix last analysed, to know whether its ordering can be used again.
+struct Pattern {
+  std::vector<int> outer, inner;
+  bool matches(const SparseMatrix& A) const {
+    return static_cast<Eigen::Index>(outer.size()) == A.outerSize() + 1 &&
+           static_cast<Eigen::Index>(inner.size()) == A.nonZeros() &&
+           std::equal(outer.begin(), outer.end(), A.outerIndexPtr()) &&
+           std::equal(inner.begin(), inner.end(), A.innerIndexPtr());
+  }
+  void take(const SparseMatrix& A) {
+    outer.assign(A.outerIndexPtr(), A.outerIndexPtr() + A.outerSize() + 1);
+    inner.assign(A.innerIndexPtr(), A.innerIndexPtr() + A.nonZeros());
+  }
+};
+
+class Factor {
+ public:
+  virtual ~Factor() = default;
+  virtual bool factorize(const SparseMatrix& A, bool same_pattern) = 0;
+  virtual bool solve(const Eigen::MatrixXd& B, Eigen::MatrixXd& X) const = 0;
+};
+
+class EigenFactor : public Factor {
+ public:
+  bool factorize(const SparseMatrix& A, bool same_pattern) override {
+    if (!same_pattern) ldlt_.analyzePattern(A);
+    ldlt_.factorize(A);
+    // An indefinite matrix passes LDLᵀ; a positive definite one has a positive diagonal.
+    return ldlt_.info() == Eigen::Success && (A.rows() == 0 || ldlt_.vectorD().minCoeff() > 0);
+  }
+  bool solve(const Eigen::MatrixXd& B, Eigen::MatrixXd& X) const override {
+    X = ldlt_.solve(B);
+    return ldlt_.info() == Eigen::Success;
+  }
+
+ private:
+  Eigen::SimplicialLDLT<SparseMatrix, Eigen::Lower> ldlt_;
+};
+
+#ifdef BATTEN_HAS_CHOLMOD
+class CholmodFactor : public Factor {
+ public:
+  CholmodFactor() {
+    if (openblas_set_num_threads != nullptr) openblas_set_num_threads(1);
+    cholmod_start(&common_);
+    common_.print = 0;
+    // One fixed ordering and one method: CHOLMOD's own trials depend on nothing but the pattern, yet cost
+    // the time of several analyses.
+    common_.nmethods = 1;
+    common_.method[0].ordering = CHOLMOD_AMD;
+    common_.postorder = 1;
+    common_.supernodal = CHOLMOD_SUPERNODAL;
+  }
+  ~CholmodFactor() override {
+    cholmod_free_factor(&factor_, &common_);
+    cholmod_finish(&common_);
+  }
+  CholmodFactor(const CholmodFactor&) = delete;
+  CholmodFactor& operator=(const CholmodFactor&) = delete;
+
+  bool factorize(const SparseMatrix& A, bool same_pattern) override {
+    cholmod_sparse view = sparse_view(A);
+    if (!same_pattern || factor_ == nullptr) {
+      cholmod_free_factor(&factor_, &common_);
+      factor_ = cholmod_analyze(&view, &common_);
+      if (factor_ == nullptr) return false;
+    }
+    cholmod_factorize(&view, factor_, &common_);
+    return common_.status == CHOLMOD_OK && factor_->minor == factor_->n;
+  }
+
+  bool solve(const Eigen::MatrixXd& B, Eigen::MatrixXd& X) const override {
+    cholmod_dense right{};
+    right.nrow = B.rows();
+    right.ncol = B.cols();
+    right.nzmax = B.size();
+    right.d = B.rows();
+    right.x = const_cast<double*>(B.data());
+    right.xtype = CHOLMOD_REAL;
+    right.dtype = CHOLMOD_DOUBLE;
+    cholmod_dense* solution = cholmod_solve(CHOLMOD_A, factor_, &right, &common_);
+    if (solution == nullptr) return false;
+    X = Eigen::Map<const Eigen::MatrixXd>(static_cast<const double*>(solution->x), B.rows(), B.cols());
+    cholmod_free_dense(&solution, &common_);
+    return true;
+  }
+
+ private:
+  static cholmod_sparse sparse_view(const SparseMatrix& A) {
+    cholmod_sparse view{};
+    view.nrow = A.rows();
+    view.ncol = A.cols();
+    view.nzmax = A.nonZeros();
+    view.p = const_cast<int*>(A.outerIndexPtr());
+    view.i = const_cast<int*>(A.innerIndexPtr());
+    view.x = const_cast<double*>(A.valuePtr());
+    view.stype = -1;  // symmetric, lower triangle read
+    view.itype = CHOLMOD_INT;
+    view.xtype = CHOLMOD_REAL;
+    view.dtype = CHOLMOD_DOUBLE;
+    view.sorted = 1;
+    view.packed = 1;
+    return view;
+  }
+
+  mutable cholmod_common common_{};
+  cholmod_factor* factor_ = nullptr;
+};
+#endif
+
+}  // namespace
+
+struct SparseCholesky::Implementation {
+  std::string system;
+  CholeskyBackend requested;
+  CholeskyBackend used = CholeskyBackend::Eigen;
+  std::unique_ptr<Factor> factor;
+  Pattern pattern;
+  Eigen::Index unknowns = 0;
+  bool ready = false;
+};
+
+SparseCholesky::SparseCholesky(std::string system, CholeskyBackend backend)
+    : implementation_(std::make_unique<Implementation>()) {
+  implementation_->system = std::move(system);
+  implementation_->requested = backend;
+}
+
+SparseCholesky::~SparseCholesky() = default;
+SparseCholesky::SparseCholesky(SparseCholesky&&) noexcept = default;
+SparseCholesky& SparseCholesky::operator=(SparseCholesky&&) noexcept = default;
+
+bool SparseCholesky::has_cholmod() {
+#ifdef BATTEN_HAS_CHOLMOD
+  return true;
+#else
+  return false;
+#endif
+}
+
+void SparseCholesky::factorize(const SparseMatrix& A) {
+  Implementation& self = *implementation_;
+  self.ready = false;
+  self.unknowns = A.rows();
+  if (A.rows() != A.cols()) throw SolverFailure(self.system, A.rows());
+  if (A.rows() == 0) {
+    self.ready = true;
+    return;
+  }
+  if (!A.isCompressed()) {
+    SparseMatrix compressed = A;
+    compressed.makeCompressed();
+    factorize(compressed);
+    return;
+  }
+  const CholeskyBackend wanted =
+      has_cholmod() && (self.requested == CholeskyBackend::Cholmod ||
+                        (self.requested == CholeskyBackend::Auto && A.rows() >= kCholmodFrom))
+          ? CholeskyBackend::Cholmod
+          : CholeskyBackend::Eigen;
+  const bool same_pattern = self.factor && wanted == self.used && self.pattern.matches(A);
+  if (!self.factor || wanted != self.used) {
+#ifdef BATTEN_HAS_CHOLMOD
+    if (wanted == CholeskyBackend::Cholmod) self.factor = std::make_unique<CholmodFactor>();
+#endif
+    if (wanted == CholeskyBackend::Eigen) self.factor = std::make_unique<EigenFactor>();
+    self.used = wanted;
+  }
+  if (!same_pattern) self.pattern.take(A);
+  if (!self.factor->factorize(A, same_pattern)) {
+    self.factor.reset();
+    throw SolverFailure(self.system, A.rows());
+  }
+  self.ready = true;
+}
+
+Eigen::MatrixXd SparseCholesky::solve(const Eigen::MatrixXd& B) const {
+  const Implementation& self = *implementation_;
+  Eigen::MatrixXd X;
+  if (!self.ready || B.rows() != self.unknowns) throw SolverFailure(self.system, self.unknowns);
+  if (B.rows() == 0) return B;
+  if (!self.factor->solve(B, X) || !X.allFinite()) throw SolverFailure(self.system, self.unknowns);
+  return X;
+}
+
+Eigen::Index SparseCholesky::unknowns() const {
+  return implementation_->unknowns;
+}
+CholeskyBackend SparseCholesky::backend() const {
+  return implementation_->used;
+}
+
+}  // namespace batten

@@ -1,0 +1,45 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "batten/core/arrays.hpp"
+
+namespace batten {
+
+/// What the tangent of reading i means (METHODS 4).
+enum class TangentConvention {
+  Auto,      ///< tell the two apart from the data (T·N and closure); the report says which was taken
+  AtSample,  ///< the direction of the curve at the reading: what a device measures
+  ToNext,    ///< the direction from reading i to reading i + 1: what exports of drawn curves store
+};
+
+/// The readings along one curve. A closed curve repeats its first node at the end.
+struct ScanCurve {
+  std::string name;
+  bool boundary = false;
+  bool closed = false;
+  std::vector<int> node_readings;  ///< 0-based indices of the readings taken at nodes, increasing
+  std::vector<int> node_ids;       ///< the global number of each of these nodes; as many
+  Eigen::VectorXd distances;       ///< n, along the curve from its start, not decreasing
+  Points tangents;                 ///< n × 3 unit vectors in the world frame
+  Points normals;                  ///< n × 3 unit vectors in the world frame, outward
+
+  Eigen::Index n_readings() const { return distances.size(); }
+};
+
+/// Orientations and distances along curves on an object: what a device records and rawnet files hold.
+struct Scan {
+  std::vector<ScanCurve> curves;
+  TangentConvention tangents = TangentConvention::Auto;
+  std::string unit;  ///< of the distances, as written in the file, or empty (metres)
+};
+
+/// Checks what every method below assumes. @throws InvalidInput naming curve, reading or node, and the
+/// remedy: no curves, fewer than two readings, sizes that differ, NaN, zero tangents, tangent parallel to
+/// normal, decreasing distances, node lists that are not increasing, a closed curve whose last node is not
+/// its first, parts that are not connected.
+void check_scan(const Scan& scan);
+
+}  // namespace batten

@@ -1,0 +1,62 @@
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "batten/core/progress.hpp"
+#include "batten/core/stage_times.hpp"
+#include "batten/mesh/triangle_mesh.hpp"
+#include "batten/network/curve_network.hpp"
+
+namespace batten {
+
+/// How the surface is made (METHODS 6).
+enum class SurfaceMethod {
+  Curvature,          ///< S 4.5: mean curvature from propagated normals; follows positions and normals
+  Harmonic,           ///< baseline LX = 0
+  Biharmonic,         ///< baseline L²X = 0
+  Triharmonic,        ///< baseline L³X = 0
+  BiharmonicNormals,  ///< baseline (4.27): biharmonic with prescribed normals
+};
+
+/// How the boundary of a patch is laid out in the plane before it is triangulated (S fig. 4.11).
+enum class PatchMap { Plane, Circle, Polygon };
+
+/// Options of surface_network(). The defaults are those of the acceptance tests: one set for all networks.
+struct SurfaceOptions {
+  SurfaceMethod method = SurfaceMethod::Curvature;
+  PatchMap map = PatchMap::Plane;
+  /// Power of the Laplacian that gives the base geometry: 1, 2 or 3 (S fig. 4.12).
+  int base_order = 2;
+  /// Rebuilds of the Laplacian from the solved mesh; −1 lets the criterion of docs/surface.md decide.
+  int rebuilds = -1;
+  /// Soft constraints (4.24): vertices of the network may move. Off: they are interpolated exactly.
+  bool soft_constraints = false;
+  /// Weight of the soft constraints, scaled with the size so that it has no unit (ERRATA, (4.24)).
+  double soft_weight = 1.0;
+  /// Length of the edges inside patches, in the unit of the network; 0 takes the mean edge of the curves.
+  double edge_length = 0;
+
+  /// The first problem found, naming field and value, or nothing.
+  std::optional<std::string> problem() const;
+};
+
+/// A surface and how it came about.
+struct SurfaceResult {
+  /// Vertex i < network.positions.rows() is vertex i of the network where a curve uses it. `mesh.normals` are
+  /// the propagated normals N* of (4.12b), equal to the given ones on the network.
+  TriangleMesh mesh;
+  std::vector<int> patch_of_triangle;  ///< the cycle that each triangle fills
+  std::vector<char> on_network;        ///< per vertex: lies on a curve
+  int n_cycles = 0;
+  int rebuilds = 0;                   ///< rebuilds done
+  std::vector<std::string> warnings;  ///< in words, with patch, curve and node
+  StageTimes times;
+};
+
+/// Fills the patches of a network with one fair triangle mesh through its curves and normals (S 4.4–4.5).
+/// @throws InvalidInput, SolverFailure, Cancelled.
+SurfaceResult surface_network(const CurveNetwork& network, const SurfaceOptions& options = {},
+                              const Progress& progress = {});
+
+}  // namespace batten
