@@ -36,6 +36,9 @@ struct Scan {
   std::string unit;  ///< of the distances, as written in the file, or empty (metres)
 };
 
+/// "curve 3" or "curve 3 'rim'", 1-based as users count: how errors and warnings name a curve.
+std::string curve_label(const Scan& scan, int curve);
+
 /// Checks what every method below assumes. @throws InvalidInput naming curve, reading or node, and the
 /// remedy: no curves, fewer than two readings, sizes that differ, NaN, zero tangents, tangent parallel to
 /// normal, decreasing distances, node lists that are not increasing, a closed curve whose last node is not
