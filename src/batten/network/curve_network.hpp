@@ -49,7 +49,12 @@ struct NetworkTopology {
   int n_components = 0;
 };
 
-/// @throws InvalidInput when an index is out of range or a curve has fewer than two vertices.
+/// How errors and warnings call a curve: "curve 3", counted from 0 as in the file, with its name if it has
+/// one.
+std::string curve_name(const CurveNetwork& network, int curve);
+
+/// @throws InvalidInput when an index is out of range, a curve has fewer than two vertices or repeats a
+/// vertex.
 NetworkTopology network_topology(const CurveNetwork& network);
 
 /// A patch to be filled: one or more closed boundary loops of network vertices. Seen from outside, loops run
@@ -72,8 +77,11 @@ struct CycleReport {
 /// Traces the patches of the network by the order of the segments around each node in its tangent plane
 /// (S 4.4.1, algorithm 4.9 with the corrections of the errata). Walks made only of boundary segments from
 /// outside are no patches. Loops of components that are not connected are joined into patches with several
-/// boundary loops where they face each other (S fig. 4.18).
-/// @throws InvalidInput when the network has no normals, or a border is not tagged, with curve and node.
+/// boundary loops where they face each other (S fig. 4.18) and where that leaves less total curvature to the
+/// patch (Gauss-Bonnet) than two patches would have. Loops and cycles come in an order that depends on the
+/// positions alone, not on the order of curves and vertices in the network.
+/// @throws InvalidInput when the network has no normals, a position is not finite, an edge has no length, a
+/// curve ends in nothing, or a border is not tagged, with curve and node.
 CycleReport find_cycles(const CurveNetwork& network);
 
 }  // namespace batten
