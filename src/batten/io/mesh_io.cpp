@@ -6,6 +6,8 @@
 #include <unordered_map>
 #include <utility>
 
+#include <Eigen/Geometry>
+
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
 #include "batten/io/mesh_formats_detail.hpp"

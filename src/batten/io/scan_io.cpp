@@ -21,8 +21,8 @@ using Reading = std::array<double, kNumbersPerReading>;
 
 // A direction shorter than this is none. Files round to four digits or more.
 constexpr double kSmallestDirection = 1e-3;
-// Below this sine of the angle between tangent and normal (0.6 degrees) there is no frame.
-constexpr double kSmallestSine = 1e-2;
+// As in check_scan(): below this sine of the angle between tangent and normal (3 degrees) there is no frame.
+constexpr double kSmallestSine = 0.05;
 
 /// Readings of one curve in blocks, so that a count that lies cannot exhaust the memory and growing does
 /// not copy what is there.
