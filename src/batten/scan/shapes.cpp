@@ -274,13 +274,16 @@ std::vector<double> passages(const ArcLengthCurve& path, bool closed, const Impl
   };
   double slope = 0;
   double low = 0;
-  double value_low = value_at(0, slope);
+  const double value_at_start = value_at(0, slope);
+  double value_low = value_at_start;
   // Ends of open curves lie on the curve that they end at; rounding decides on the sign there.
   if (!closed && std::abs(value_low) < tolerance) add(0);
   if (!closed && std::abs(value_at(length, slope)) < tolerance) add(length);
   for (int i = 1; i <= pieces; ++i) {
     const double high = length * i / pieces;
-    const double value_high = value_at(high, slope);
+    // Back at the start of a closed curve the value must be that of the start, or rounding could hide a
+    // passage just there.
+    const double value_high = closed && i == pieces ? value_at_start : value_at(high, slope);
     if ((value_low < 0) != (value_high < 0)) {
       double a = low;
       double b = high;
