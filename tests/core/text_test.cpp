@@ -1,11 +1,14 @@
 #include "batten/core/text.hpp"
 
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <limits>
 
 #include <gtest/gtest.h>
 
 #include "batten/core/error.hpp"
+#include "batten/core/random.hpp"
 
 namespace batten {
 namespace {
@@ -28,6 +31,26 @@ TEST(Text, ParseNumberTakesWholeTokensOnly) {
   for (const char* bad : {"", " 1", "1 ", "1.5x", "--1", "1,5"})
     EXPECT_FALSE(parse_number(bad, value)) << bad;
   EXPECT_FALSE(parse_number(std::string(500, '1'), value));
+}
+
+// Both ways of reading (the short one and strtod) must round alike: strtod is the reference.
+TEST(Text, ParseNumberAgreesWithTheStandardLibraryBitForBit) {
+  Random random(5);
+  for (int i = 0; i < 20000; ++i) {
+    char text[40];
+    const int digits = 1 + static_cast<int>(random.below(18));
+    const int exponent = static_cast<int>(random.below(60)) - 30;
+    std::snprintf(text, sizeof text, i % 2 ? "%.*e" : "%.*g", digits,
+                  random.normal() * std::pow(10.0, exponent));
+    double value = 0;
+    ASSERT_TRUE(parse_number(text, value)) << text;
+    EXPECT_EQ(value, std::strtod(text, nullptr)) << text;
+  }
+  double value = 1;
+  ASSERT_TRUE(parse_number("-0.0", value));
+  EXPECT_TRUE(std::signbit(value));
+  for (const char* bad : {".", "-", "e5", "1e", "1e+", "1e5.0", "1.2.3", "+-1"})
+    EXPECT_FALSE(parse_number(bad, value)) << bad;
 }
 
 TEST(Text, ParseIntegerRefusesFractionsAndOverflow) {

@@ -14,11 +14,62 @@ bool is_blank(char c) {
   return c == ' ' || c == '\t' || c == '\r' || c == '\n';
 }
 
+/// Decimal numbers of at most 15 digits and a small power of ten, that is nearly all in files: both the
+/// digits and the power are exact in double, so one correctly rounded operation gives what strtod gives, ten
+/// times faster. False when the token is anything else.
+bool parse_short_decimal(std::string_view token, double& value) {
+  static constexpr double kPowers[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
+                                       1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
+  size_t i = 0;
+  const bool negative = !token.empty() && token[0] == '-';
+  if (negative || (!token.empty() && token[0] == '+')) ++i;
+  long long digits = 0;
+  int n_digits = 0, exponent = 0;
+  bool seen_point = false, seen_digit = false;
+  for (; i < token.size(); ++i) {
+    const char c = token[i];
+    if (c == '.' && !seen_point) {
+      seen_point = true;
+    } else if (c >= '0' && c <= '9') {
+      seen_digit = true;
+      if (digits != 0 || c != '0') ++n_digits;
+      if (n_digits > 15) return false;
+      digits = 10 * digits + (c - '0');
+      if (seen_point) --exponent;
+    } else {
+      break;
+    }
+  }
+  if (!seen_digit) return false;
+  if (i < token.size()) {
+    if (token[i] != 'e' && token[i] != 'E') return false;
+    ++i;
+    const bool down = i < token.size() && token[i] == '-';
+    if (i < token.size() && (token[i] == '-' || token[i] == '+')) ++i;
+    if (i == token.size() || token.size() - i > 3) return false;
+    int written = 0;
+    for (; i < token.size(); ++i) {
+      if (token[i] < '0' || token[i] > '9') return false;
+      written = 10 * written + (token[i] - '0');
+    }
+    exponent += down ? -written : written;
+  }
+  if (exponent < -22 || exponent > 22) return false;
+  const double magnitude = exponent < 0 ? static_cast<double>(digits) / kPowers[-exponent]
+                                        : static_cast<double>(digits) * kPowers[exponent];
+  value = negative ? -magnitude : magnitude;
+  return true;
+}
+
 }  // namespace
 
 std::string exact_decimal(double value) {
   char buffer[32];
-  for (int digits = 6; digits <= 17; ++digits) {
+  // A decimal of up to 15 digits survives the way through a double, so 15 digits (%g drops the zeros at the
+  // end) already give the shortest text where one that short exists; only denormal numbers hold fewer.
+  const bool denormal =
+      value != 0 && value > -std::numeric_limits<double>::min() && value < std::numeric_limits<double>::min();
+  for (int digits = denormal ? 1 : 15; digits <= 17; ++digits) {
     std::snprintf(buffer, sizeof buffer, "%.*g", digits, value);
     if (std::strtod(buffer, nullptr) == value) break;
   }
@@ -26,6 +77,7 @@ std::string exact_decimal(double value) {
 }
 
 bool parse_number(std::string_view token, double& value) {
+  if (parse_short_decimal(token, value)) return true;
   // strtod needs a terminated copy; numbers are short. std::from_chars for double is missing in the
   // browser's standard library. The program never changes the locale, so the decimal point is a point.
   constexpr size_t kLongest = 120;

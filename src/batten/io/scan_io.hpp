@@ -1,0 +1,28 @@
+#pragma once
+#include <string>
+
+#include "batten/io/file.hpp"
+#include "batten/scan/scan.hpp"
+
+namespace batten {
+
+/// Reads a rawnet file (S code 5.6): orientations and distances along curves, as text.
+///
+/// Per curve: boundary flag, closed flag, number of nodes, positions of the nodes among the readings (from
+/// 1), numbers of the nodes (from 0 or from 1, kept as they are), number of readings, and per reading a line
+/// `distance tangent(3) normal(3)`. `#` starts a comment; blank lines are skipped. The comments `# unit: mm`,
+/// `# tangents: to-next`, `# tangents: at-sample` and (in a curve) `# name: …` are understood.
+/// A file that starts with 0 has the number of curves on the next line, then the path of one file per curve,
+/// relative to its own folder.
+///
+/// Vectors are normalised. The result satisfies check_scan().
+/// @throws FileError with file and line, what was expected and the remedy.
+Scan read_rawnet(const std::string& path);
+/// The same from memory; `name` stands for the path in errors. Lists of files per curve are refused.
+Scan parse_rawnet(std::string text, const std::string& name);
+
+/// Writes a rawnet file that read_rawnet() reads back as exactly the same scan.
+/// @throws FileError, or InvalidInput as check_scan().
+void write_rawnet(const Scan& scan, const std::string& path);
+
+}  // namespace batten

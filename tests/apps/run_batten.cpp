@@ -1,0 +1,49 @@
+#include "apps/run_batten.hpp"
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+namespace batten::test {
+
+const std::string& scratch() {
+  static const std::string folder = [] {
+    const std::string path = std::filesystem::temp_directory_path() / ("batten_test_" + std::to_string(getpid()));
+    std::filesystem::create_directories(path);
+    std::atexit([] { std::filesystem::remove_all(scratch()); });
+    return path;
+  }();
+  return folder;
+}
+
+std::string read_file(const std::string& name) {
+  std::ifstream in(scratch() + "/" + name, std::ios::binary);
+  std::ostringstream content;
+  content << in.rdbuf();
+  return content.str();
+}
+
+bool file_exists(const std::string& name) { return std::filesystem::exists(scratch() + "/" + name); }
+
+std::string write_file(const std::string& name, const std::string& content) {
+  const std::string path = scratch() + "/" + name;
+  std::ofstream(path, std::ios::binary) << content;
+  return path;
+}
+
+Run run_batten(const std::string& arguments) {
+  const std::string command =
+      "cd '" + scratch() + "' && '" BATTEN_PROGRAM "' " + arguments + " >.stdout 2>.stderr </dev/null";
+  const int status = std::system(command.c_str());
+  Run run;
+  run.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  run.out = read_file(".stdout");
+  run.err = read_file(".stderr");
+  return run;
+}
+
+}  // namespace batten::test
