@@ -142,7 +142,7 @@ int run(int argc, char** argv) {
   add_simulate(app);
   add_calibrate(app);
   // add_network(app);
-  // add_surface(app);
+  add_surface(app);
   // add_reconstruct(app);
   add_compare(app);
   // add_convert(app);
