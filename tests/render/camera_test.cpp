@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include <Eigen/LU>
 #include <gtest/gtest.h>
 
 #include "batten/core/error.hpp"

@@ -238,8 +238,9 @@ void draw_bar(Image& image, const ColourScale& scale) {
   }
   for (const double value : ticks(scale.low, scale.high)) {
     const double y = y1 - (y1 - y0) * (value - scale.low) / (scale.high - scale.low);
-    draw_line(image, x1, y, x1 + 0.35 * cap, y, std::max(1.0, 0.1 * cap), kInk);
-    draw_text(image, x1 + 0.75 * cap, y + 0.5 * cap, short_number(value), cap, kInk);
+    draw_line(image, x1 - 0.3 * (x1 - x0), y, x1 - 1, y, 1,
+              kInk);  // inside: beside the number it would be a minus
+    draw_text(image, x1 + 0.6 * cap, y + 0.5 * cap, short_number(value), cap, kInk);
   }
   draw_text(image, image.width - 0.1 * room, y0 - 1.8 * cap, scale.title, cap, kInk, Align::Right);
   draw_text(image, x0, y1 + 2.2 * cap, scale.note, cap, kInk);
