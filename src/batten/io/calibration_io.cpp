@@ -110,7 +110,7 @@ void write_calibration(const DeviceCalibration& device, const std::string& path)
   document["magnetometer"] = sensor_json(device.calibration.magnetometer, device.magnetometer, "uT");
   document["gyroscope"] = {{"unit", "rad/s"},
                            {"bias", vector_json(device.calibration.gyroscope_bias)},
-                           {"readings_at_rest", device.gyroscope_readings}};
+                           {"windows_at_rest", device.gyroscope_windows}};
   document["alignment_deg"] = degrees(device.alignment);
   document["inclination_deg"] = degrees(device.inclination);
   write_file(path, document.dump(2) + "\n");
