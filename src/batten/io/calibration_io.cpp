@@ -88,6 +88,8 @@ Calibration parse_calibration(const std::string& text, const std::string& name) 
     document = Json::parse(text);
   } catch (const nlohmann::json::parse_error& error) {
     reader.fail(concat("is not valid JSON near byte ", error.byte, "; write the file with batten calibrate"));
+  } catch (const nlohmann::json::exception&) {  // numbers beyond the range of double
+    reader.fail("holds a number that is out of range; write the file with batten calibrate");
   }
   if (!document.is_object() || document.value("format", Json()) != kFormat)
     reader.fail(
