@@ -150,9 +150,9 @@ int run(int argc, char** argv) {
   add_surface(app);
   // add_reconstruct(app);
   add_compare(app);
-  // add_convert(app);
+  add_convert(app);
   add_render(app);
-  // add_info(app);
+  add_info(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& request) {  // --help, --version
