@@ -320,6 +320,17 @@ TEST(SurfaceNetwork, IsNearlyTheSameForRotatedMirroredAndReversedInput) {
   const SurfaceResult rotated = surface_network(moved(network, R, 1, Eigen::RowVector3d::Zero()));
   ASSERT_EQ(rotated.mesh.n_vertices(), a.mesh.n_vertices());
   EXPECT_LT(farthest(rotated.mesh.positions * R, a.mesh.positions), 1e-7 * diameter);
+  const SurfaceResult mirrored = surface_network([&] {
+    CurveNetwork image =
+        network;  // a mirror turns the surface inside out, so its normals point the other way
+    image.positions.col(0) *= -1;
+    image.normals.col(0) *= -1;
+    return image;
+  }());
+  Points back = mirrored.mesh.positions;
+  back.col(0) *= -1;
+  ASSERT_EQ(mirrored.mesh.n_vertices(), a.mesh.n_vertices());
+  EXPECT_LT(farthest(back, a.mesh.positions), 1e-7 * diameter);
   CurveNetwork reversed = network;
   for (NetworkCurve& curve : reversed.curves) std::reverse(curve.vertices.begin(), curve.vertices.end());
   EXPECT_LT(farthest(surface_network(reversed).mesh.positions, a.mesh.positions), 1e-8);
