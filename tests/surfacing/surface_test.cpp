@@ -14,6 +14,7 @@
 #include "batten/core/random.hpp"
 #include "batten/io/network_io.hpp"
 #include "batten/linalg/sparse_cholesky.hpp"
+#include "batten/mesh/distance.hpp"
 #include "batten/mesh/quality.hpp"
 #include "batten/mesh/self_intersections.hpp"
 #include "batten/operators/intrinsic.hpp"
@@ -308,9 +309,8 @@ TEST(SurfaceNetwork, DoesNotDependOnTheOrderOfCurvesAndVertices) {
   }
 }
 
-// Rotated, mirrored and reversed input may be triangulated otherwise where symmetry leaves a choice; the
-// surface stays within 0.03 % of the diameter. Held against the sphere, where every mesh has the same true
-// surface.
+// The plane of a patch and the axes in it come from the patch alone, so that a turned network gets the very
+// same triangles, and a mirrored one the same surface.
 TEST(SurfaceNetwork, IsNearlyTheSameForRotatedMirroredAndReversedInput) {
   const CurveNetwork network = test_network();
   const double diameter = bounding_box_diagonal(network.positions);
@@ -329,8 +329,10 @@ TEST(SurfaceNetwork, IsNearlyTheSameForRotatedMirroredAndReversedInput) {
   }());
   Points back = mirrored.mesh.positions;
   back.col(0) *= -1;
-  ASSERT_EQ(mirrored.mesh.n_vertices(), a.mesh.n_vertices());
-  EXPECT_LT(farthest(back, a.mesh.positions), 1e-7 * diameter);
+  // The mesher may take another of equally good triangles in the mirror image; the surface is the same.
+  const TriangleTree original(a.mesh.positions, a.mesh.triangles);
+  for (const ClosestPoint& nearest : original.closest(back))
+    EXPECT_LT(std::sqrt(nearest.squared_distance), 3e-4 * diameter);
   CurveNetwork reversed = network;
   for (NetworkCurve& curve : reversed.curves) std::reverse(curve.vertices.begin(), curve.vertices.end());
   EXPECT_LT(farthest(surface_network(reversed).mesh.positions, a.mesh.positions), 1e-8);
