@@ -197,6 +197,8 @@ ScanNetwork network_from_scan(const Scan& given, const ScanOptions& options, con
     const Scan& scan = report.convention.convention == TangentConvention::ToNext ? converted : given;
     CleanOptions cleaning;
     cleaning.robust = options.robust;
+    // Tangents to the next reading come from drawn curves: every one is needed to follow the others.
+    if (report.convention.convention == TangentConvention::ToNext) cleaning = {0, false};
     clean = clean_readings(scan, cleaning, report.warnings);
     for (const CleanCurve& curve : clean) {
       report.outliers.push_back(curve.n_outliers);
