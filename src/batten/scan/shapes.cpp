@@ -16,6 +16,8 @@ using Eigen::Vector3d;
 
 // Knots of the traced curves, in diameters: small against every radius of curvature of the shapes.
 constexpr double kTraceStep = 0.005;
+// Crossings are searched at this spacing, in diameters; no two of a curve with one plane are nearer.
+constexpr double kSearchStep = 0.02;
 
 // --- The surfaces ----------------------------------------------------------------------------------------
 
@@ -324,7 +326,7 @@ void find_nodes(TracedNetwork& traced, const std::vector<Section>& sections,
       if (a == b) continue;
       const TracedCurve& curve = traced.curves[a];
       const std::vector<double> distances =
-          passages(*curve.path, curve.closed, sections[b].cut, kTraceStep * traced.diameter, tolerance);
+          passages(*curve.path, curve.closed, sections[b].cut, kSearchStep * traced.diameter, tolerance);
       for (const double s : distances) candidates.push_back({a, b, s, curve.path->at(s).position});
     }
   std::vector<Vector3d> nodes;
