@@ -146,9 +146,9 @@ int run(int argc, char** argv) {
   app.set_version_flag("--version", "batten " BATTEN_VERSION);
   add_simulate(app);
   add_calibrate(app);
-  // add_network(app);
+  add_network(app);
   add_surface(app);
-  // add_reconstruct(app);
+  add_reconstruct(app);
   add_compare(app);
   add_convert(app);
   add_render(app);
