@@ -93,8 +93,6 @@ ScanNetwork run_network_stage(const NetworkArguments& arguments, const Context& 
   if (writes) {
     const ScopedStage stage(outcome.times, "write");
     write_network(arguments.output, result.network);
-    for (const std::string& loss : losses_in_format(result.network, network_format(arguments.output)))
-      outcome.warnings.push_back(loss);
   }
 
   Json& f = outcome.figures;
