@@ -24,7 +24,7 @@ std::string sheet(double z, double scale = 1) {
 TEST(CompareCommand, MeasuresAKnownGapAndSaysItInJson) {
   write_file("a.off", sheet(0));
   write_file("b.off", sheet(0.5));
-  const Run run = run_batten("compare a.off b.off --json");
+  const auto run = run_batten("compare a.off b.off --json");
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const Json json = Json::parse(run.out);
   EXPECT_EQ(json["command"], "compare");
@@ -47,7 +47,7 @@ TEST(CompareCommand, MeasuresAKnownGapAndSaysItInJson) {
 TEST(CompareCommand, RegistersAndWritesTheDistances) {
   write_file("a.off", sheet(7, 2));
   write_file("b.off", sheet(0));
-  const Run run = run_batten("compare a.off b.off --register similarity --distances out.ply --json");
+  const auto run = run_batten("compare a.off b.off --register similarity --distances out.ply --json");
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const Json json = Json::parse(run.out);
   EXPECT_NEAR(json["registration"]["scale"].get<double>(), 0.5, 1e-5);
@@ -72,11 +72,11 @@ TEST(CompareCommand, TellsBadUsageFromBadInput) {
   EXPECT_EQ(run_batten("compare a.off a.off --register loosely").exit_code, 2);
   EXPECT_EQ(run_batten("compare a.off a.off --samples 0").exit_code, 2);
   EXPECT_EQ(run_batten("compare a.off a.off --distances out.obj").exit_code, 2);
-  const Run missing = run_batten("compare a.off nowhere.ply");
+  const auto missing = run_batten("compare a.off nowhere.ply");
   EXPECT_EQ(missing.exit_code, 3);
   EXPECT_NE(missing.err.find("nowhere.ply"), std::string::npos);
   EXPECT_EQ(run_batten("compare a.off flat.net").exit_code, 3);
-  const Run scan = run_batten("compare a.off scan.rawnet");
+  const auto scan = run_batten("compare a.off scan.rawnet");
   EXPECT_EQ(scan.exit_code, 3);
   EXPECT_NE(scan.err.find("batten network"), std::string::npos);
   EXPECT_EQ(run_batten("compare a.off a.off --distances no/such/folder/out.ply").exit_code, 3);
