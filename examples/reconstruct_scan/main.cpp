@@ -14,7 +14,8 @@ int main(int argc, char** argv) {
     const batten::ScanNetwork curves = batten::network_from_scan(scan);
     const batten::SurfaceResult surface = batten::surface_network(curves.network);
     batten::write_mesh(argv[2], surface.mesh);
-    std::printf("%ld triangles over %d patches\n", static_cast<long>(surface.mesh.n_triangles()), surface.n_cycles);
+    std::printf("%ld triangles over %d patches\n", static_cast<long>(surface.mesh.n_triangles()),
+                surface.n_cycles);
   } catch (const batten::Error& error) {
     return std::fprintf(stderr, "%s\n", error.what()), 1;
   }
