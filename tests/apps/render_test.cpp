@@ -14,7 +14,8 @@ bool is_png(const std::string& name) {
 
 TEST(RenderCommand, WritesOnePictureAndASheet) {
   write_file("t.off", kTetrahedron);
-  const auto run = run_batten("render t.off -o one.png --shading isophotes --size 120x90 --view 30,20 --json");
+  const auto run =
+      run_batten("render t.off -o one.png --shading isophotes --size 120x90 --view 30,20 --json");
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const nlohmann::json json = nlohmann::json::parse(run.out);
   EXPECT_EQ(json["width"], 120);

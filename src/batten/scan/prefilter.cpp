@@ -354,6 +354,7 @@ std::vector<CleanCurve> clean_readings(const Scan& scan, const CleanOptions& opt
 }
 
 double reading_noise(const std::vector<CleanCurve>& curves) {
+  constexpr double kMedianLength = 1.538172;  // of three standard normal components (chi, three degrees)
   std::vector<double> sizes;
   for (const CleanCurve& curve : curves) {
     const int n = static_cast<int>(curve.frames.size());
@@ -367,10 +368,11 @@ double reading_noise(const std::vector<CleanCurve>& curves) {
       // Variance of r per axis in units of that of one reading.
       const double spread =
           1 / curve.counts[i] + (1 - u) * (1 - u) / curve.counts[i - 1] + u * u / curve.counts[i + 1];
-      for (int a = 0; a < 3; ++a) sizes.push_back(std::abs(r[a]) / std::sqrt(spread));
+      // Its length, not its components: those are not the same in axes that are turned.
+      sizes.push_back(r.norm() / std::sqrt(spread));
     }
   }
-  return 1.4826 * median(sizes);
+  return median(sizes) / kMedianLength;
 }
 
 SampledScan resample(const Scan& scan, const std::vector<CleanCurve>& curves,
