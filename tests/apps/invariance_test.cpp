@@ -239,6 +239,8 @@ TEST(InvarianceOfSurfaces, TellingTheNetworkOtherwiseGivesTheSameSurface) {
         for (auto& normal : network["normals"]) normal = turned(normal.get<Vector>(), mirror);
       return network;
     };
+    // A mirrored patch breaks the ties of a symmetric shape the other way: other triangles, whose difference
+    // falls with the square of the step. 0.03 % of the diameter at 2 % are 0.12 % at the 4 % of this test.
     struct Motion {
       const char* name;
       double scale;
@@ -249,8 +251,8 @@ TEST(InvarianceOfSurfaces, TellingTheNetworkOtherwiseGivesTheSameSurface) {
     for (const Motion& m : {Motion{"translation", 1, {5, -3, 2}, false, false, 1e-8},
                             Motion{"scale 1e-3", 1e-3, {0, 0, 0}, false, false, 1e-8},
                             Motion{"scale 1e3", 1e3, {0, 0, 0}, false, false, 1e-8},
-                            Motion{"rotation", 1, {0, 0, 0}, true, false, 3e-4},
-                            Motion{"mirror", 1, {0, 0, 0}, true, true, 3e-4}}) {
+                            Motion{"rotation", 1, {0, 0, 0}, true, false, 1e-8},
+                            Motion{"mirror", 1, {0, 0, 0}, true, true, 1.2e-3}}) {
       moved_reference(m.scale, m.shift, m.turn, m.mirror);
       const double difference =
           surface_difference(moved_network(m.scale, m.shift, m.turn, m.mirror), "moved.off");
@@ -259,7 +261,7 @@ TEST(InvarianceOfSurfaces, TellingTheNetworkOtherwiseGivesTheSameSurface) {
     }
     changed = exact;
     for (auto& curve : changed["curves"]) std::reverse(curve["vertices"].begin(), curve["vertices"].end());
-    EXPECT_LT(surface_difference(changed, "exact.ply"), 3e-4) << "direction of curves";
+    EXPECT_LT(surface_difference(changed, "exact.ply"), 1.2e-3) << "direction of curves";
   }
 }
 
