@@ -230,13 +230,15 @@ class JointModel {
 
   /// Posterior deviations of the factors about their mean. @pre evaluate() has just been called.
   Eigen::VectorXd factor_deviation() {
-    Eigen::MatrixXd right = Eigen::MatrixXd::Zero(n_unknowns_, n_curves_);
+    // One curve at a time: all at once would be a dense matrix of unknowns × curves.
+    Eigen::VectorXd deviations(n_curves_), right = Eigen::VectorXd::Zero(n_unknowns_);
     for (int c = 0; c < n_curves_; ++c) {
-      right.block(scale_at_, c, n_curves_, 1).setConstant(-1.0 / n_curves_);
-      right(scale_at_ + c, c) += 1;
+      right.segment(scale_at_, n_curves_).setConstant(-1.0 / n_curves_);
+      right[scale_at_ + c] += 1;
+      const Eigen::VectorXd solution = factor_.solve(right);
+      deviations[c] = std::sqrt(right.dot(solution));
     }
-    const Eigen::MatrixXd solution = factor_.solve(right);
-    return (right.array() * solution.array()).colwise().sum().sqrt().transpose();
+    return deviations;
   }
 
  private:

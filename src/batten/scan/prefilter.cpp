@@ -145,8 +145,8 @@ CleanCurve merged(const ScanCurve& curve, const std::vector<Eigen::Matrix3d>& fr
     for (int j = i; j < end; ++j)
       if (!outlier[j]) group.push_back(frames[j]);
     const bool is_end = i == 0 || end == n;
-    bool is_node = false;
-    for (const int reading : curve.node_readings) is_node = is_node || (reading >= i && reading < end);
+    const auto node = std::lower_bound(curve.node_readings.begin(), curve.node_readings.end(), i);
+    const bool is_node = node != curve.node_readings.end() && *node < end;
     if (group.empty() && (is_end || is_node)) {
       // The place is needed although its reading is not: a weight of zero lets the neighbours fill it in.
       distances.push_back(curve.distances[i] - curve.distances[0]);
