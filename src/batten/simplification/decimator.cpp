@@ -181,7 +181,7 @@ void Decimator::run(int faces, double max_cost, const Progress& progress) {
     const Entry entry = heap_.back();
     heap_.pop_back();
     const int h = entry.h;
-    if (stamp_[h] != entry.stamp || !mesh_.has_halfedge(h)) continue;
+    if (stamp_[h] != entry.stamp || !mesh_.is_representative(h)) continue;
     if (stale_[h] != 0) {
       enqueue(h);
       continue;
