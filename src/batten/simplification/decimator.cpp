@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include <Eigen/Geometry>
 
@@ -44,6 +45,39 @@ bool invert(const double* m, double* inverse) {
 
 }  // namespace
 
+std::size_t CostQueue::bucket(double cost) {
+  // Non-negative floats are ordered as their bits are: exponent and four bits of the fraction.
+  const auto narrow = static_cast<float>(cost);
+  std::uint32_t bits = 0;
+  std::memcpy(&bits, &narrow, sizeof bits);
+  return bits >> 19;
+}
+
+void CostQueue::push(const Entry& entry) {
+  const std::size_t b = bucket(entry.cost);
+  if (b > current_) {
+    buckets_[b].push_back(entry);
+    return;
+  }
+  heap_.push_back(entry);
+  std::push_heap(heap_.begin(), heap_.end());
+}
+
+bool CostQueue::pop(Entry& entry) {
+  while (heap_.empty()) {
+    if (++current_ >= buckets_.size()) {
+      current_ = buckets_.size() - 1;
+      return false;
+    }
+    heap_.swap(buckets_[current_]);
+    std::make_heap(heap_.begin(), heap_.end());
+  }
+  std::pop_heap(heap_.begin(), heap_.end());
+  entry = heap_.back();
+  heap_.pop_back();
+  return true;
+}
+
 Decimator::Decimator(HalfedgeMesh& mesh, FaceTree& tree, const DecimatorOptions& options)
     : mesh_(mesh), tree_(tree), options_(options) {
   quadric_.resize(mesh.vertex_capacity());
@@ -52,13 +86,10 @@ Decimator::Decimator(HalfedgeMesh& mesh, FaceTree& tree, const DecimatorOptions&
   stale_.assign(mesh.halfedge_capacity(), 0);
   for (int v = 0; v < mesh.vertex_capacity(); ++v)
     if (mesh.has_vertex(v)) update_vertex(v);
-  heap_.reserve(mesh.halfedge_capacity() / 2 + 64);
   for (int h = 0; h < mesh.halfedge_capacity(); ++h) {
     if (!mesh.has_halfedge(h) || !mesh.is_representative(h)) continue;
-    heap_.push_back({place(h).cost, h, ++last_stamp_});
-    stamp_[h] = last_stamp_;
+    enqueue(h);
   }
-  std::make_heap(heap_.begin(), heap_.end());
 }
 
 void Decimator::update_vertex(int v) {
@@ -66,13 +97,13 @@ void Decimator::update_vertex(int v) {
   Vector3d sum = Vector3d::Zero();
   mesh_.for_each_outgoing(v, [&](int h) {
     const Vector3d n = mesh_.area_normal(HalfedgeMesh::face(h));
-    const double w = options_.area_power == 2 ? 1.0 : std::pow(std::max(n.squaredNorm(), 1e-300), 0.5 * options_.area_power - 1);
+    const double w = 1 / std::sqrt(std::max(n.squaredNorm(), 1e-300));
     add_outer(q.m, n, w);
     sum += n;
     for (const int e : {h, HalfedgeMesh::prev(h)}) {
       if (!mesh_.is_border_edge(e)) continue;
       const Vector3d d = mesh_.position(mesh_.to(e)) - mesh_.position(mesh_.from(e));
-      const double l2 = d.squaredNorm(), b = options_.border_weight * (options_.area_power == 2 ? l2 : 1.0);
+      const double l2 = d.squaredNorm(), b = options_.border_weight;
       q.m[0] += b * l2;
       q.m[3] += b * l2;
       q.m[5] += b * l2;
@@ -92,7 +123,7 @@ Placement Decimator::place(int h) const {
   for (const int side : {h, mesh_.opposite(h)}) {
     if (side == kNone) continue;
     const Vector3d n = mesh_.area_normal(HalfedgeMesh::face(side));
-    const double w = options_.area_power == 2 ? 1.0 : std::pow(std::max(n.squaredNorm(), 1e-300), 0.5 * options_.area_power - 1);
+    const double w = 1 / std::sqrt(std::max(n.squaredNorm(), 1e-300));
     add_outer(shared, n, w);
     g -= n;
   }
@@ -126,13 +157,15 @@ Placement Decimator::place(int h) const {
   const Vector3d ye = y - e;
   placement.cost = y.dot(times(A, y)) + ye.dot(times(quadric_[v].m, ye));
   // Flat pieces: the shortest edges first.
-  placement.cost += 1e-10 * trace * e.squaredNorm() + options_.shape_weight * trace * (y - middle).squaredNorm();
+  placement.cost +=
+      1e-10 * trace * e.squaredNorm() + options_.shape_weight * trace * (y - middle).squaredNorm();
   return placement;
 }
 
 bool Decimator::is_allowed(int h, const Vector3d& p) {
   const int u = mesh_.from(h), v = mesh_.to(h);
-  const int f0 = HalfedgeMesh::face(h), f1 = mesh_.is_border_edge(h) ? -1 : HalfedgeMesh::face(mesh_.opposite(h));
+  const int f0 = HalfedgeMesh::face(h),
+            f1 = mesh_.is_border_edge(h) ? -1 : HalfedgeMesh::face(mesh_.opposite(h));
   star_.clear();
   replaced_.clear();
   bool allowed = true;
@@ -165,26 +198,26 @@ bool Decimator::is_allowed(int h, const Vector3d& p) {
 }
 
 void Decimator::enqueue(int h) {
-  heap_.push_back({place(h).cost, h, ++last_stamp_});
+  queue_.push({place(h).cost, h, ++last_stamp_});
   stamp_[h] = last_stamp_;
   stale_[h] = 0;
-  std::push_heap(heap_.begin(), heap_.end());
 }
 
 void Decimator::run(int faces, double max_cost, const Progress& progress) {
   const int before = mesh_.n_faces();
   int steps = 0;
   std::vector<int> ring;
-  while (mesh_.n_faces() > faces && !heap_.empty()) {
-    if (heap_.front().cost > max_cost) break;
-    std::pop_heap(heap_.begin(), heap_.end());
-    const Entry entry = heap_.back();
-    heap_.pop_back();
+  CostQueue::Entry entry{};
+  while (mesh_.n_faces() > faces && queue_.pop(entry)) {
     const int h = entry.h;
     if (stamp_[h] != entry.stamp || !mesh_.is_representative(h)) continue;
     if (stale_[h] != 0) {
       enqueue(h);
       continue;
+    }
+    if (entry.cost > max_cost) {
+      queue_.push(entry);
+      break;
     }
     stamp_[h] = 0;  // not in the queue: comes back when something changes beside it
     if (!mesh_.can_collapse(h)) continue;

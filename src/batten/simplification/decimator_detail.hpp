@@ -18,11 +18,34 @@ struct Placement {
 };
 
 struct DecimatorOptions {
-  double area_power = 2;        ///< weight of a plane: area to this power
-  double regularisation = 1e-3; ///< pull to the middle of the ring, relative to the trace of the quadric
+  double regularisation = 1e-3;  ///< pull to the middle of the ring, relative to the trace of the quadric
   double border_weight = 1;
   double shape_weight = 0;
-  double least_cosine = 0.2;    ///< between the normals of a face before and after
+  double least_cosine = 0.2;  ///< between the normals of a face before and after
+};
+
+/// Smallest cost first, ties by the smaller half-edge. Costs are sorted into buckets by their leading bits,
+/// and only the bucket in use is kept as a heap, which then stays in the cache.
+class CostQueue {
+ public:
+  struct Entry {
+    double cost;
+    int h;
+    std::uint32_t stamp;
+    bool operator<(const Entry& other) const {
+      return cost > other.cost || (cost == other.cost && h > other.h);
+    }
+  };
+  /// @pre entry.cost >= 0
+  void push(const Entry& entry);
+  /// Takes out the least; false when there is none.
+  bool pop(Entry& entry);
+
+ private:
+  static std::size_t bucket(double cost);
+  std::vector<Entry> heap_;
+  std::vector<std::vector<Entry>> buckets_ = std::vector<std::vector<Entry>>(4096);
+  std::size_t current_ = 0;  ///< buckets up to this one are in the heap
 };
 
 /// Greedy edge collapses by memoryless quadrics: the planes are those of the faces as they are now (Lindstrom
@@ -40,12 +63,6 @@ class Decimator {
   struct Symmetric {
     double m[6] = {0, 0, 0, 0, 0, 0};
   };
-  struct Entry {
-    double cost;
-    int h;
-    std::uint32_t stamp;
-    bool operator<(const Entry& other) const { return cost > other.cost || (cost == other.cost && h > other.h); }
-  };
   void update_vertex(int v);
   Placement place(int h) const;
   bool is_allowed(int h, const Eigen::Vector3d& p);
@@ -59,7 +76,7 @@ class Decimator {
   std::vector<Eigen::Vector3d> sum_normal_;  ///< per vertex: Σ area normals
   std::vector<std::uint32_t> stamp_;         ///< per half-edge: of its entry in the queue
   std::vector<char> stale_;                  ///< per half-edge: cost to be computed again when its turn comes
-  std::vector<Entry> heap_;
+  CostQueue queue_;
   std::uint32_t last_stamp_ = 0;
   std::vector<FaceTree::Triangle> star_;
   std::vector<int> replaced_;

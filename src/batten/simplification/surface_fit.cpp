@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <cstdio>
 #include <cstdlib>
+#include <limits>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
@@ -174,8 +174,8 @@ bool SurfaceFit::try_flip(int h) {
   for (const int side : {h, o})
     for (int s = first_[HalfedgeMesh::face(side)]; s != kNone; s = next_[s]) {
       const Vector3d& p = samples_[s].point;
-      const double d = std::min(nearest_on_triangle(p, px, pw, pu, weights),
-                                nearest_on_triangle(p, pw, px, pv, weights));
+      const double d =
+          std::min(nearest_on_triangle(p, px, pw, pu, weights), nearest_on_triangle(p, pw, px, pv, weights));
       change += samples_[s].area * (d - located_[s].squared);
     }
   if (!(change < allowance) || (change >= 0 && gain <= 0)) return false;
@@ -198,7 +198,8 @@ bool SurfaceFit::try_flip(int h) {
     const int s = moved;
     moved = next_[s];
     double wf[3], wg[3];
-    const double df = squared_distance(samples_[s].point, f, wf), dg = squared_distance(samples_[s].point, g, wg);
+    const double df = squared_distance(samples_[s].point, f, wf),
+                 dg = squared_distance(samples_[s].point, g, wg);
     const int to = df <= dg ? f : g;
     samples_[s].face = to;
     located_[s].squared = std::min(df, dg);
@@ -333,10 +334,12 @@ void SurfaceFit::run(const Progress& progress) {
     if (i > 1) shape_pull_ *= std::clamp(std::pow(budget_ / rms_, 6), 0.2, 4.0);
     const int a = flip_edges();
     const int b = move_vertices();
-    if (getenv("VERB")) fprintf(stderr, "  it %d rms/budget %.4f pull %.3g flips %d moves %d\n", i, rms_/budget_, shape_pull_, a, b);
+    if (getenv("VERB"))
+      fprintf(stderr, "  it %d rms/budget %.4f pull %.3g flips %d moves %d\n", i, rms_ / budget_, shape_pull_,
+              a, b);
   }
   locate();
-  if (getenv("VERB")) fprintf(stderr, "  end rms %.4f\n", rms_/budget_);
+  if (getenv("VERB")) fprintf(stderr, "  end rms %.4f\n", rms_ / budget_);
 }
 
 }  // namespace batten::simplification

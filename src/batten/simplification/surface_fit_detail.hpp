@@ -26,12 +26,13 @@ struct FitOptions {
   double flip_shape = 0.5;
 };
 
-/// Moves the vertices and turns the edges of a simplified mesh so that it fits samples of the original surface
-/// in the least-squares sense, with well-shaped triangles. Nothing is folded or made to intersect; border
-/// vertices and marked edges stay.
+/// Moves the vertices and turns the edges of a simplified mesh so that it fits samples of the original
+/// surface in the least-squares sense, with well-shaped triangles. Nothing is folded or made to intersect;
+/// border vertices and marked edges stay.
 class SurfaceFit {
  public:
-  SurfaceFit(HalfedgeMesh& mesh, FaceTree& tree, std::vector<SurfaceSample> samples, const FitOptions& options);
+  SurfaceFit(HalfedgeMesh& mesh, FaceTree& tree, std::vector<SurfaceSample> samples,
+             const FitOptions& options);
   /// Starts the search for sample s at the best of the faces around some vertices.
   void start_at(int s, const int* vertices, int n);
   void run(const Progress& progress);
