@@ -18,10 +18,16 @@ struct Placement {
 };
 
 struct DecimatorOptions {
-  double regularisation = 1e-3;  ///< pull to the middle of the ring, relative to the trace of the quadric
-  double border_weight = 1;
-  double shape_weight = 0;
+  /// Pull of the new vertex to the middle of its edge, relative to the trace of the quadric: what decides
+  /// where the planes leave it free.
+  double regularisation = 1e-6;
   double least_cosine = 0.2;  ///< between the normals of a face before and after
+  /// Collapses keep marked edges: their vertices move along them only, ends and crossings not at all.
+  bool keep_marked = false;
+  /// Order by (2.100) instead of by the error alone: positions whose distances are the lengths of edges,
+  /// updated with every collapse, or null.
+  std::vector<Eigen::Vector3d>* flowed = nullptr;
+  double alpha = 1, beta = 1;
 };
 
 /// Smallest cost first, ties by the smaller half-edge. Costs are sorted into buckets by their leading bits,
@@ -65,6 +71,10 @@ class Decimator {
   };
   void update_vertex(int v);
   Placement place(int h) const;
+  double order_of(int h, double cost) const;
+  enum class Hold { Free, From, To, Never };
+  /// Where marked edges allow the vertex of a collapse to lie.
+  Hold held(int h) const;
   bool is_allowed(int h, const Eigen::Vector3d& p);
   void enqueue(int h);
   int representative(int h) const { return mesh_.is_representative(h) ? h : mesh_.opposite(h); }
@@ -77,6 +87,7 @@ class Decimator {
   std::vector<std::uint32_t> stamp_;         ///< per half-edge: of its entry in the queue
   std::vector<char> stale_;                  ///< per half-edge: cost to be computed again when its turn comes
   CostQueue queue_;
+  double largest_cost_ = 0, largest_length_ = 0;  ///< of (2.100)
   std::uint32_t last_stamp_ = 0;
   std::vector<FaceTree::Triangle> star_;
   std::vector<int> replaced_;

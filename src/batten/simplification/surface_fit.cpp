@@ -1,12 +1,11 @@
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <limits>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
+#include "batten/core/units.hpp"
 #include "batten/simplification/surface_fit_detail.hpp"
 
 namespace batten::simplification {
@@ -169,7 +168,7 @@ bool SurfaceFit::try_flip(int h) {
                       smallest_angle(pv, pu, px);
   const double area = 0.5 * (b1.norm() + b2.norm());
   const double allowance = options_.flip_shape * budget_ * budget_ * area * gain / (M_PI / 3);
-  double change = 0;
+  double change = 0, furthest = 0;
   double weights[3];
   for (const int side : {h, o})
     for (int s = first_[HalfedgeMesh::face(side)]; s != kNone; s = next_[s]) {
@@ -177,8 +176,9 @@ bool SurfaceFit::try_flip(int h) {
       const double d =
           std::min(nearest_on_triangle(p, px, pw, pu, weights), nearest_on_triangle(p, pw, px, pv, weights));
       change += samples_[s].area * (d - located_[s].squared);
+      if (d > located_[s].squared) furthest = std::max(furthest, d);
     }
-  if (!(change < allowance) || (change >= 0 && gain <= 0)) return false;
+  if (!(change < allowance) || (change >= 0 && gain <= 0) || furthest > largest_) return false;
   star_ = {{{x, w, u}, {px, pw, pu}}, {{w, x, v}, {pw, px, pv}}};
   replaced_ = {HalfedgeMesh::face(h), HalfedgeMesh::face(o)};
   if (tree_.intersects(star_, replaced_)) return false;
@@ -222,10 +222,12 @@ bool SurfaceFit::try_move(int v) {
   const Vector3d p = mesh_.position(v);
   Matrix3d A = Matrix3d::Zero();
   Vector3d g = Vector3d::Zero(), normal = Vector3d::Zero(), target = Vector3d::Zero();
+  bool marked = false;
   double mass = 0, target_weight = 0, least_before = 1, shortest = 1e300;
   int n_faces = 0;
   mesh_.for_each_outgoing(v, [&](int h) {
     const int f = HalfedgeMesh::face(h), k = h % 3;
+    marked = marked || mesh_.is_marked(h);
     const Vector3d &a = mesh_.position(mesh_.to(h)), &b = mesh_.position(mesh_.tip(h));
     const Vector3d corners[3] = {mesh_.position(mesh_.from(3 * f)), mesh_.position(mesh_.from(3 * f + 1)),
                                  mesh_.position(mesh_.from(3 * f + 2))};
@@ -256,7 +258,7 @@ bool SurfaceFit::try_move(int v) {
     }
   });
   if (n_faces > 0) target_weight /= n_faces;
-  if (target_weight == 0 || normal.squaredNorm() == 0) return false;
+  if (marked || target_weight == 0 || normal.squaredNorm() == 0) return false;
   normal.normalize();
   target /= target_weight * n_faces;
   const double pull = shape_pull_ * budget_ * budget_ * target_weight * mass + 1e-12 * mass + 1e-30;
@@ -267,10 +269,11 @@ bool SurfaceFit::try_move(int v) {
   if (!step.allFinite()) return false;
   const double longest = 0.5 * std::sqrt(shortest);
   if (step.squaredNorm() > longest * longest) step *= longest / step.norm();
-  double nearest_sample = 0;
+  double nearest_sample = 0, furthest_sample = 0, height = 0;
   const auto objective = [&](const Vector3d& x) {
     double sum = pull * (tangential * (x - target)).squaredNorm(), w[3];
     nearest_sample = std::numeric_limits<double>::infinity();
+    furthest_sample = 0;
     mesh_.for_each_outgoing(v, [&](int h) {
       const int f = HalfedgeMesh::face(h);
       const Vector3d &a = mesh_.position(mesh_.to(h)), &b = mesh_.position(mesh_.tip(h));
@@ -279,21 +282,29 @@ bool SurfaceFit::try_move(int v) {
                      *pb = after == kNone ? nullptr : &mesh_.position(mesh_.to(after));
       for (int s = first_[f]; s != kNone; s = next_[s]) {
         const Vector3d& y = samples_[s].point;
-        nearest_sample = std::min(nearest_sample, (y - x).squaredNorm());
+        const double near = (y - x).squaredNorm();
+        if (near < nearest_sample) {
+          nearest_sample = near;
+          height = samples_[s].normal.cast<double>().dot(x - y);
+        }
         double d = nearest_on_triangle(y, x, a, b, w);
         const double own[3] = {w[0], w[1], w[2]};
         if (own[2] == 0 && pa != nullptr) d = std::min(d, nearest_on_triangle(y, x, *pa, a, w));
         if (own[1] == 0 && pb != nullptr) d = std::min(d, nearest_on_triangle(y, x, b, *pb, w));
         sum += samples_[s].area * d;
+        furthest_sample = std::max(furthest_sample, d);
       }
     });
     return sum;
   };
   const double present = objective(p);
   const double away = 1.5 * spacing_ + 3 * budget_;
-  const double furthest = std::max(nearest_sample, away * away);
+  const double furthest = std::max(nearest_sample, away * away),
+               largest = std::max(furthest_sample, largest_), highest = std::max(height * height, largest_);
   for (int attempt = 0; attempt < 3; ++attempt, step *= 0.3) {
-    if (!(objective(p + step) < present) || nearest_sample > furthest) continue;
+    if (!(objective(p + step) < present) || nearest_sample > furthest || furthest_sample > largest ||
+        height * height > highest)
+      continue;
     const Vector3d q = p + step;
     star_.clear();
     replaced_.clear();
@@ -324,22 +335,108 @@ int SurfaceFit::move_vertices() {
   return moved;
 }
 
+double SurfaceFit::largest_distance() const {
+  double largest = 0;
+  for (const Located& at : located_) largest = std::max(largest, at.squared);
+  return std::sqrt(largest);
+}
+
+double SurfaceFit::mean_smallest_angle() const {
+  double sum = 0;
+  for (int f = 0; f < mesh_.face_capacity(); ++f)
+    if (mesh_.has_face(f))
+      sum += smallest_angle(mesh_.position(mesh_.from(3 * f)), mesh_.position(mesh_.from(3 * f + 1)),
+                            mesh_.position(mesh_.from(3 * f + 2)));
+  return sum / mesh_.n_faces();
+}
+
 void SurfaceFit::run(const Progress& progress) {
-  spacing_ = std::sqrt(area_ / static_cast<double>(std::max<std::size_t>(samples_.size(), 1)));
+  if (samples_.empty() || !(area_ > 0) || mesh_.n_faces() == 0) return;
+  spacing_ = std::sqrt(area_ / static_cast<double>(samples_.size()));
   shape_pull_ = options_.shape_pull;
-  for (int i = 0; i < options_.iterations; ++i) {
-    progress.report("fit", i / static_cast<double>(options_.iterations));
-    locate();
-    if (i == 0) budget_ = options_.budget * rms_;
-    if (i > 1) shape_pull_ *= std::clamp(std::pow(budget_ / rms_, 6), 0.2, 4.0);
-    const int a = flip_edges();
-    const int b = move_vertices();
-    if (getenv("VERB"))
-      fprintf(stderr, "  it %d rms/budget %.4f pull %.3g flips %d moves %d\n", i, rms_ / budget_, shape_pull_,
-              a, b);
-  }
   locate();
-  if (getenv("VERB")) fprintf(stderr, "  end rms %.4f\n", rms_ / budget_);
+  const double rms_before = rms_;
+  largest_ = std::pow(largest_distance(), 2);
+  for (int round = 0; round < options_.rounds; ++round) {
+    progress.report("fit", round / static_cast<double>(options_.rounds));
+    // 38° is what error-driven collapses reach on smooth shapes at best; 32° and less is poor.
+    const double poor = std::clamp((38 - degrees(mean_smallest_angle())) / 6, 0.0, 1.0);
+    budget_ = rms_before * (options_.budget_good + (options_.budget_poor - options_.budget_good) * poor);
+    if (round > 1 && rms_ > 0) shape_pull_ *= std::clamp(std::pow(0.985 * budget_ / rms_, 6), 0.2, 4.0);
+    flip_edges();
+    move_vertices();
+    locate();
+  }
+}
+
+std::vector<SurfaceSample> sample_surface(const Points& positions, const Triangles& triangles, int n) {
+  std::vector<SurfaceSample> samples;
+  const auto corner = [&](Eigen::Index f, int k) { return Vector3d(positions.row(triangles(f, k))); };
+  const auto normal = [&](Eigen::Index f) {
+    const Vector3d a = corner(f, 0);
+    return Vector3d((corner(f, 1) - a).cross(corner(f, 2) - a));
+  };
+  double area = 0;
+  std::vector<Vector3d> vertex_normal(positions.rows(), Vector3d::Zero());
+  for (Eigen::Index f = 0; f < triangles.rows(); ++f) {
+    const Vector3d N = normal(f);
+    area += 0.5 * N.norm();
+    for (int k = 0; k < 3; ++k) vertex_normal[triangles(f, k)] += N.normalized();
+  }
+  if (!(area > 0)) return samples;
+  const double share = area / n;
+  // How far the normals around a vertex part from their mean: a cosine, low where the surface bends.
+  struct Bend {
+    float cosine = 1;
+    int face = -1;
+  };
+  std::vector<Bend> bends(positions.rows());
+  double carried = 0;  // area of small faces that no sample stands for yet
+  for (Eigen::Index f = 0; f < triangles.rows(); ++f) {
+    const Vector3d N = normal(f);
+    const double face_area = 0.5 * N.norm();
+    const Eigen::Vector3f unit = N.normalized().cast<float>();
+    for (int k = 0; k < 3; ++k) {
+      Bend& bend = bends[triangles(f, k)];
+      const auto cosine = static_cast<float>(N.normalized().dot(vertex_normal[triangles(f, k)].normalized()));
+      if (bend.face < 0 || cosine < bend.cosine) bend = {cosine, static_cast<int>(f)};
+    }
+    const Vector3d a = corner(f, 0), ab = corner(f, 1) - a, ac = corner(f, 2) - a;
+    if (face_area < share) {
+      carried += face_area;
+      if (carried < share) continue;
+      carried -= share;
+      samples.push_back({a + (ab + ac) / 3, share, unit, static_cast<int>(f)});
+      continue;
+    }
+    // m² equal parts, by the centres of the triangles of a regular subdivision.
+    const int m = static_cast<int>(std::ceil(std::sqrt(face_area / share)));
+    for (int i = 0; i < m; ++i)
+      for (int j = 0; i + j < m; ++j) {
+        samples.push_back({a + ((i + 1.0 / 3) * ab + (j + 1.0 / 3) * ac) / m, face_area / (m * m), unit,
+                           static_cast<int>(f)});
+        if (i + j + 1 < m)
+          samples.push_back({a + ((i + 2.0 / 3) * ab + (j + 2.0 / 3) * ac) / m, face_area / (m * m), unit,
+                             static_cast<int>(f)});
+      }
+  }
+  std::vector<int> bent;
+  for (std::size_t v = 0; v < bends.size(); ++v)
+    if (bends[v].face >= 0 && bends[v].cosine < 0.985F) bent.push_back(static_cast<int>(v));
+  const std::size_t most = samples.size() / 4 + 1;
+  if (bent.size() > most) {
+    std::nth_element(
+        bent.begin(), bent.begin() + static_cast<std::ptrdiff_t>(most), bent.end(), [&](int u, int v) {
+          return bends[u].cosine < bends[v].cosine || (bends[u].cosine == bends[v].cosine && u < v);
+        });
+    bent.resize(most);
+    std::sort(bent.begin(), bent.end());
+  }
+  for (const int v : bent) {
+    const int f = bends[v].face;
+    samples.push_back({positions.row(v).transpose(), 1e-3 * share, normal(f).normalized().cast<float>(), f});
+  }
+  return samples;
 }
 
 }  // namespace batten::simplification

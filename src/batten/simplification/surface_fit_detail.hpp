@@ -14,16 +14,26 @@ namespace batten::simplification {
 struct SurfaceSample {
   Eigen::Vector3d point;
   double area;
-  int face;  ///< of the simplified mesh: where the search for the nearest point starts
+  Eigen::Vector3f normal;  ///< of the original surface there
+  int face;                ///< of the simplified mesh: where the search for the nearest point starts
 };
 
+/// `n` or more samples, every one standing for about the same area, and the vertices where the surface bends
+/// most, which stand for next to none: they watch over the largest distance. `face` is the face of the
+/// original mesh.
+std::vector<SurfaceSample> sample_surface(const Points& positions, const Triangles& triangles, int n);
+
 struct FitOptions {
-  int iterations = 8;
-  /// Pull of every vertex to the place where its triangles are best shaped, relative to the fit.
+  int rounds = 6;
+  /// Pull of every vertex to the place where its triangles are best shaped, against the fit: the weight of
+  /// squared distances in edge lengths beside squared errors in units of the mean square error. The rounds
+  /// adapt it to the budget.
   double shape_pull = 10;
-  double budget = 0.95;
   /// Share of the mean square error that a flip may cost for a gain of 60° of smallest angles.
-  double flip_shape = 0.5;
+  double flip_shape = 10;
+  /// The root mean square error to end with, relative to that at the start, where triangles are well shaped
+  /// and where they are poor: what the fit gains goes into shape.
+  double budget_good = 0.93, budget_poor = 1.0;
 };
 
 /// Moves the vertices and turns the edges of a simplified mesh so that it fits samples of the original
@@ -36,8 +46,9 @@ class SurfaceFit {
   /// Starts the search for sample s at the best of the faces around some vertices.
   void start_at(int s, const int* vertices, int n);
   void run(const Progress& progress);
-  /// Root of the mean square distance of the samples, after the last locate().
+  /// Root mean square and largest distance of the samples, after the last locate().
   double rms() const { return rms_; }
+  double largest_distance() const;
 
   void locate();
   int flip_edges();
@@ -51,6 +62,7 @@ class SurfaceFit {
   };
   double squared_distance(const Eigen::Vector3d& p, int f, double* weights) const;
   void locate_one(int s);
+  double mean_smallest_angle() const;
   bool try_flip(int h);
   bool try_move(int v);
 
@@ -60,7 +72,7 @@ class SurfaceFit {
   std::vector<Located> located_;
   std::vector<int> first_, next_;  ///< samples per face as linked lists
   FitOptions options_;
-  double rms_ = 0, area_ = 0, budget_ = 0, spacing_ = 0, shape_pull_ = 0;
+  double rms_ = 0, area_ = 0, budget_ = 0, largest_ = 0, spacing_ = 0, shape_pull_ = 0;
   std::vector<FaceTree::Triangle> star_;
   std::vector<int> replaced_;
 };
