@@ -16,6 +16,8 @@ using Eigen::Vector3d;
 
 // Knots of the traced curves, in diameters: small against every radius of curvature of the shapes.
 constexpr double kTraceStep = 0.005;
+// Crossings are searched at this spacing, in diameters; no two of a curve with one plane are nearer.
+constexpr double kSearchStep = 0.02;
 
 // --- The surfaces ----------------------------------------------------------------------------------------
 
@@ -274,13 +276,16 @@ std::vector<double> passages(const ArcLengthCurve& path, bool closed, const Impl
   };
   double slope = 0;
   double low = 0;
-  double value_low = value_at(0, slope);
+  const double value_at_start = value_at(0, slope);
+  double value_low = value_at_start;
   // Ends of open curves lie on the curve that they end at; rounding decides on the sign there.
   if (!closed && std::abs(value_low) < tolerance) add(0);
   if (!closed && std::abs(value_at(length, slope)) < tolerance) add(length);
   for (int i = 1; i <= pieces; ++i) {
     const double high = length * i / pieces;
-    const double value_high = value_at(high, slope);
+    // Back at the start of a closed curve the value must be that of the start, or rounding could hide a
+    // passage just there.
+    const double value_high = closed && i == pieces ? value_at_start : value_at(high, slope);
     if ((value_low < 0) != (value_high < 0)) {
       double a = low;
       double b = high;
@@ -321,7 +326,7 @@ void find_nodes(TracedNetwork& traced, const std::vector<Section>& sections,
       if (a == b) continue;
       const TracedCurve& curve = traced.curves[a];
       const std::vector<double> distances =
-          passages(*curve.path, curve.closed, sections[b].cut, kTraceStep * traced.diameter, tolerance);
+          passages(*curve.path, curve.closed, sections[b].cut, kSearchStep * traced.diameter, tolerance);
       for (const double s : distances) candidates.push_back({a, b, s, curve.path->at(s).position});
     }
   std::vector<Vector3d> nodes;

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include <Eigen/LU>
+
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "batten/mesh/triangle_mesh.hpp"
 #include "batten/network/curve_network.hpp"
