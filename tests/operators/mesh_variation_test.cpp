@@ -11,8 +11,8 @@
 namespace batten {
 namespace {
 
-// Of the four corners of a unit square with one diagonal: two edges of length 1, or 1, 1 and √2, whose variance
-// is that of (0, 0, √2 − 1): (√2 − 1)² · 2/9.
+// Of the four corners of a unit square with one diagonal: two edges of length 1, or 1, 1 and √2, whose
+// variance is that of (0, 0, √2 − 1): (√2 − 1)² · 2/9.
 TEST(EdgeLengthVariances, AreExactOnASquareWithADiagonal) {
   const TriangleMesh mesh = samples::square(2);
   const Eigen::VectorXd variances = edge_length_variances(mesh.positions, mesh.triangles);
@@ -47,8 +47,8 @@ TEST(MeshVariation, VanishesForTheSameSurfaceWithOtherNumbers) {
 }
 
 // Twice as large: H is halved, a change of 1/2; lengths and their variance grow by 2 and 4, a change of 3;
-// Var(H) falls to a quarter, a change of 3/4; the relative variance of areas stays. The shape is centred, so that
-// every vertex of the small one is matched with its own image or with one of the same curvature at most.
+// Var(H) falls to a quarter, a change of 3/4; the relative variance of areas stays. The shape is centred, so
+// that every vertex of the small one is matched with its own image or with one of the same curvature at most.
 TEST(MeshVariation, IsExactForAScaledSphereAndTorus) {
   const TriangleMesh sphere = samples::octasphere(6, 1);
   const MeshVariation s =
@@ -59,8 +59,8 @@ TEST(MeshVariation, IsExactForAScaledSphereAndTorus) {
   EXPECT_NEAR(s.curvature_variance, 0.75, 1e-9);
 }
 
-// The same torus with half as many vertices: H and H0 are estimates of one function, so that the change is that of
-// the discretisation and of the distance to the nearest vertex, and falls in proportion to the edges.
+// The same torus with half as many vertices: H and H0 are estimates of one function, so that the change is
+// that of the discretisation and of the distance to the nearest vertex, and falls in proportion to the edges.
 TEST(MeshVariation, OfACoarserMeshOfTheSameSurfaceFallsWithTheEdges) {
   const auto change = [](int n) {
     const TriangleMesh fine = samples::torus(2 * n), coarse = samples::torus(n);

@@ -63,7 +63,8 @@ struct Measured {
 double matched_change(const Measured& a, const Eigen::VectorXd& of_a, const std::vector<int>& rows_a,
                       const Measured& b, const Eigen::VectorXd& of_b, const std::vector<int>& rows_b) {
   if (rows_a.empty() || rows_b.empty()) return std::numeric_limits<double>::quiet_NaN();
-  Segments points(static_cast<Eigen::Index>(rows_b.size()), 2);  // the nearest of points: segments without length
+  // The nearest of points: of segments without length.
+  Segments points(static_cast<Eigen::Index>(rows_b.size()), 2);
   for (std::size_t i = 0; i < rows_b.size(); ++i)
     points.row(static_cast<Eigen::Index>(i)).setConstant(rows_b[i]);
   Points queries(static_cast<Eigen::Index>(rows_a.size()), 3);

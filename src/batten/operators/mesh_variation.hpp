@@ -13,8 +13,8 @@ Eigen::VectorXd edge_length_variances(const Points& positions, const Triangles& 
 /// leaves the division out and so depends on the unit and on the number of vertices. Zero without area.
 double area_variance(const Points& positions, const Triangles& triangles);
 
-/// How much a mesh differs from the one it was made of, as Table 2.3 of H measures it: ratios, 0 where nothing
-/// changed, 1 for a change as large as the value itself.
+/// How much a mesh differs from the one it was made of, as Table 2.3 of H measures it: ratios, 0 where
+/// nothing changed, 1 for a change as large as the value itself.
 struct MeshVariation {
   /// ΔH = ‖H − H0‖ / ‖H0‖ over the original vertices, H being that of the nearest vertex of the other mesh.
   /// Vertices on borders are left out on both sides. (2.50)
