@@ -146,7 +146,7 @@ int run(int argc, char** argv) {
   // add_reconstruct(app);
   add_compare(app);
   // add_convert(app);
-  // add_render(app);
+  add_render(app);
   // add_info(app);
   try {
     app.parse(argc, argv);

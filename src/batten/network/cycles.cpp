@@ -278,13 +278,26 @@ class CycleFinder {
     return list;
   }
 
+  /// A loop that is a component of its own and lies on the border: a disc by itself, or one end of a tube.
+  bool lone_border(int orbit) const {
+    const int first = orbits_[orbit].darts.front();
+    return orbits_[orbit].only_boundary &&
+           orbits_[orbit_of_dart_[twin(first)]].darts.size() == orbits_[orbit].darts.size();
+  }
+
   bool worth_joining(const std::vector<int>& a, const std::vector<int>& b) const {
     double turning_a = 0, turning_b = 0;
     for (const int i : a) turning_a += orbits_[i].turning;
     for (const int i : b) turning_b += orbits_[i].turning;
     const int loops_a = static_cast<int>(a.size()), loops_b = static_cast<int>(b.size());
-    return std::abs(total_curvature(loops_a + loops_b, turning_a + turning_b)) + kPi <
-           std::abs(total_curvature(loops_a, turning_a)) + std::abs(total_curvature(loops_b, turning_b));
+    const double joined = std::abs(total_curvature(loops_a + loops_b, turning_a + turning_b));
+    const double apart =
+        std::abs(total_curvature(loops_a, turning_a)) + std::abs(total_curvature(loops_b, turning_b));
+    // The outsides of two flat discs would make a patch of curvature 4π: more than a patch is given.
+    if (joined > 3.5 * kPi) return false;
+    // Two rims that face each other are a tube even where it narrows strongly (S fig. 4.18, right).
+    if (a.size() == 1 && b.size() == 1 && lone_border(a.front()) && lone_border(b.front())) return true;
+    return joined + kPi < apart;
   }
 
   /// Which groups are patches and which lie outside; errors where a border is not tagged.

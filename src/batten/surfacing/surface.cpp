@@ -62,6 +62,48 @@ ScaledNetwork scaled(const CurveNetwork& network) {
   return result;
 }
 
+/// Samples crowded on a curve say little about the normals but much about their noise: two that differ by 5°
+/// at a hundredth of the usual distance bend the propagated normals over in the whole patch. Of samples
+/// closer than 0.3 of the mean step only the first keeps its normal, the others interpolate.
+/// @return how many were changed.
+int calm_crowded_normals(const CurveNetwork& network, ScaledNetwork& s) {
+  constexpr double kCrowded = 0.3;
+  std::vector<int> degree(network.positions.rows(), 0);
+  for (const NetworkCurve& curve : network.curves)
+    for (std::size_t i = 0; i + 1 < curve.vertices.size(); ++i) {
+      ++degree[curve.vertices[i]];
+      ++degree[curve.vertices[i + 1]];
+    }
+  int changed = 0;
+  for (const NetworkCurve& curve : network.curves) {
+    const std::size_t n = curve.vertices.size();
+    std::vector<double> along(n, 0);
+    for (std::size_t i = 1; i < n; ++i)
+      along[i] =
+          along[i - 1] + (s.positions.row(curve.vertices[i]) - s.positions.row(curve.vertices[i - 1])).norm();
+    const double gap = kCrowded * along.back() / static_cast<double>(n - 1);
+    std::vector<std::size_t> kept = {0};
+    for (std::size_t i = 1; i < n; ++i) {
+      const bool node = degree[curve.vertices[i]] != 2 || i + 1 == n;
+      // A sample just before a node gives way to the node.
+      while (node && kept.size() > 1 && along[i] - along[kept.back()] < gap &&
+             degree[curve.vertices[kept.back()]] == 2)
+        kept.pop_back();
+      if (node || along[i] - along[kept.back()] >= gap) kept.push_back(i);
+    }
+    for (std::size_t k = 0; k + 1 < kept.size(); ++k)
+      for (std::size_t i = kept[k] + 1; i < kept[k + 1]; ++i) {
+        const double t = (along[i] - along[kept[k]]) / (along[kept[k + 1]] - along[kept[k]]);
+        const RowVector3d mean =
+            (1 - t) * s.normals.row(curve.vertices[kept[k]]) + t * s.normals.row(curve.vertices[kept[k + 1]]);
+        if (mean.norm() < 1e-9) continue;
+        s.normals.row(curve.vertices[i]) = mean.normalized();
+        ++changed;
+      }
+  }
+  return changed;
+}
+
 /// Two vertices at one place make an edge of no length somewhere; say which before the mesher stumbles.
 void check_coincident(const CurveNetwork& network, const ScaledNetwork& s) {
   struct Place {
@@ -124,19 +166,38 @@ struct SurfaceSolver::Implementation {
       result.warnings = std::move(report.warnings);
       scaled_network = scaled(network);
       check_coincident(network, scaled_network);
+      if (const int crowded = calm_crowded_normals(network, scaled_network); crowded > 0)
+        result.warnings.push_back(
+            concat(crowded,
+                   " samples closer than 0.3 of the mean step of their curve took the normal "
+                   "between their neighbours; resample the network to use them all"));
     }
     std::vector<char> in_space(cycles.size(), 0);
-    for (int attempt = 0;; ++attempt) {
-      tessellate(in_space, progress);
-      solve(progress);
-      // A patch that folded over gets another layout, once.
-      const std::vector<char> folded = folded_patches();
-      bool again = false;
+    make(in_space, progress);
+    const std::vector<char> folded = folded_patches();
+    if (std::find(folded.begin(), folded.end(), 1) != folded.end()) {
+      // A patch that folded over gets another layout, once; where that is no better, the first is kept.
+      const int before = judge(positions, normals).folded;
+      std::vector<char> retry = in_space;
       for (std::size_t p = 0; p < cycles.size(); ++p)
-        if (folded[p] && !in_space[p]) in_space[p] = again = true;
-      if (!again || attempt > 0) break;
+        if (folded[p]) retry[p] = 1;
+      bool better = false;
+      if (retry != in_space) {
+        try {
+          make(retry, progress);
+          better = judge(positions, normals).folded < before;
+        } catch (const InvalidInput&) {  // not to be filled in space
+        } catch (const SolverFailure&) {
+        }
+        if (!better) make(in_space, progress);
+      }
     }
     finish();
+  }
+
+  void make(std::vector<char>& in_space, const Progress& progress) {
+    tessellate(in_space, progress);
+    solve(progress);
   }
 
   void tessellate(std::vector<char>& in_space, const Progress& progress) {
@@ -372,11 +433,20 @@ struct SurfaceSolver::Implementation {
     return s;
   }
 
+  /// Patches of which more than a thousandth of the area is folded: fewer are slivers beside samples that lie
+  /// close together, which no other layout would mend.
   std::vector<char> folded_patches() const {
+    std::vector<double> folded_area(cycles.size(), 0), area(cycles.size(), 0);
+    for (Index f = 0; f < triangles.rows(); ++f) {
+      const RowVector3d a = positions.row(triangles(f, 0)), b = positions.row(triangles(f, 1)),
+                        c = positions.row(triangles(f, 2));
+      const double size = (b - a).cross(c - a).norm();
+      const auto p = static_cast<std::size_t>(result.patch_of_triangle[static_cast<std::size_t>(f)]);
+      area[p] += size;
+      if (is_folded(positions, normals, f)) folded_area[p] += size;
+    }
     std::vector<char> folded(cycles.size(), 0);
-    for (Index f = 0; f < triangles.rows(); ++f)
-      if (is_folded(positions, normals, f))
-        folded[static_cast<std::size_t>(result.patch_of_triangle[static_cast<std::size_t>(f)])] = 1;
+    for (std::size_t p = 0; p < cycles.size(); ++p) folded[p] = folded_area[p] > 1e-3 * area[p];
     return folded;
   }
 
@@ -445,6 +515,7 @@ const SurfaceResult& SurfaceSolver::move(const Points& positions, const Points& 
   self.scaled_network.normals = normals;
   for (Index v = 0; v < n; ++v)
     if (normals.row(v).norm() > 0) self.scaled_network.normals.row(v).normalize();
+  calm_crowded_normals(self.network, self.scaled_network);
   // The surface that was built plus the displacement of its curves, spread biharmonically, is the base; then
   // the fit. Taken from the surface that was built, not from the last move: moves do not add up errors.
   Eigen::MatrixXd displacement = Eigen::MatrixXd::Zero(self.positions.rows(), 6);
