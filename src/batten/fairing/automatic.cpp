@@ -27,21 +27,29 @@ using fairing_detail::IndexLists;
 /// The parameters of one run. All lengths are in mean edge lengths or mean distances of centroids.
 struct Strategy {
   const char* name;
-  double spatial;       ///< s, in mean centroid distances
-  double range;         ///< r, as a difference of unit normals
-  double range_start;   ///< r is larger by this factor of itself in the first rounds, falling like e^(−round/2)
-  double fidelity;      ///< λ at the start, where cotangents are 1
+  double spatial;  ///< s, in mean centroid distances
+  double range;    ///< r, as a difference of unit normals
+  double
+      range_start;  ///< r is larger by this factor of itself in the first rounds, falling like e^(−round/2)
+  double fidelity;  ///< λ at the start, where cotangents are 1
   double least_fidelity;
-  double target;        ///< ratio of the averaged residual to white noise above which λ grows
+  double target;  ///< ratio of the averaged residual to white noise above which λ grows
   int iterations;
+  int free_iterations;  ///< further rounds in which vertices may leave their normals
 };
 
 // Found on fandisk, cubehole, rocker arm and bunny with noise of 0.1, 0.2 and 0.3 mean edge lengths; see
 // docs/fair.md for the figures.
-constexpr Strategy kSharp{"sharp", 2.0, 0.35, 0.0, 0.05, 0.02, 1.3, 14};
-constexpr Strategy kOrganic{"organic", 1.2, 0.45, 1.0, 0.15, 0.05, 1.0, 10};
+constexpr Strategy kSharp{"sharp", 2.0, 0.35, 0.0, 0.05, 0.02, 1.3, 12, 2};
+constexpr Strategy kOrganic{"organic", 1.2, 0.45, 1.0, 0.15, 0.05, 1.0, 10, 0};
 constexpr double kMostFidelity = 2.0;
+constexpr double kLeastCotangent = 0.1, kMostCotangent = 3.0;
+/// λ of the moves across the normals. Where the filtered normals agree with where the vertices lie such moves
+/// bring nothing; on edges that noise has bent sideways they straighten them.
+constexpr double kSidewaysFidelity = 0.2;
 constexpr int kMostNeighbours = 60;
+/// Standard deviations by which a region's risk must speak against the strategy of the whole mesh.
+constexpr double kDoubt = 4;
 
 /// e^(−x) for x ≥ 0, within 3 % up to x = 4 and zero from 16 on: (1 − x/16)^16, which the compiler can turn
 /// into vector instructions.
@@ -94,27 +102,37 @@ class Fairer {
 
   struct Run {
     Points positions, directions;
-    VectorXd moves;
+    VectorXd moves;        ///< along the directions, before the free rounds
+    double deviation = 0;  ///< of the noise, as used at the end
   };
 
   /// One run of a strategy. @param deviation of the noise, in the unit of the positions.
-  Run run(const Points& noisy, double deviation, const Strategy& strategy, int iterations, double done,
-          double share_of_progress) {
+  /// @param refine the deviation is a first guess: measure it again on what is removed.
+  Run run(const Points& noisy, double deviation, bool refine, const Strategy& strategy, int iterations,
+          double done, double share_of_progress) {
     Run result;
     result.positions = noisy;
     result.moves = VectorXd::Zero(n_);
     VectorXd fidelity = VectorXd::Constant(n_, strategy.fidelity);
     const IndexLists& balls = balls_[&strategy == &kSharp ? 0 : 1];
-    for (int round = 0; round < iterations; ++round) {
-      progress_.report("fairing", done + share_of_progress * round / iterations);
+    const int rounds = iterations + strategy.free_iterations;
+    for (int round = 0; round < rounds; ++round) {
+      progress_.report("fairing", done + share_of_progress * round / rounds);
       const double range = strategy.range * (1 + strategy.range_start * std::exp(-0.5 * round));
       filter_normals(result.positions, balls, strategy.spatial * centroid_distance_, range);
       update_directions();
+      if (round >= iterations) {
+        refit_freely(noisy, fidelity, result.positions);
+        continue;
+      }
       assemble(noisy, result.positions, fidelity);
       solve(result.moves);
       result.positions = noisy + result.moves.asDiagonal() * directions_;
-      if (round >= 2) adapt(result.moves / deviation, strategy, fidelity);
+      if (round < 2) continue;
+      if (refine) deviation = deviation_of(result.moves);
+      adapt(result.moves / deviation, strategy, fidelity);
     }
+    result.deviation = deviation;
     result.directions = directions_;
     return result;
   }
@@ -130,6 +148,21 @@ class Fairer {
     return mean;
   }
 
+  /// Standard deviation of the white noise that `moves` holds, from its bi-umbrella (I − P)² (see
+  /// estimate_noise()): the shape that was removed by mistake hardly shows in it.
+  double deviation_of(const VectorXd& moves) {
+    if (gains_.size() == 0) gains_ = fairing_detail::bi_umbrella_gains(neighbours_);
+    const VectorXd rough = without_mean(without_mean(moves));
+    double sum = 0;
+    Eigen::Index count = 0;
+    for (Eigen::Index v = 0; v < n_; ++v)
+      if (gains_[v] > 0 && !fixed_[v]) {
+        sum += rough[v] * rough[v] / gains_[v];
+        ++count;
+      }
+    return count > 0 ? std::sqrt(sum / static_cast<double>(count)) : 0;
+  }
+
   /// The umbrella Laplacian, positive: Σ (x_v − x_u) over the neighbours u.
   VectorXd umbrella(const VectorXd& field) const {
     VectorXd sum(n_);
@@ -143,8 +176,16 @@ class Fairer {
  private:
   int slot(int row, int column) const {
     const auto begin = neighbours_.indices.begin();
-    return static_cast<int>(std::lower_bound(begin + neighbours_.begin(row), begin + neighbours_.end(row), column) -
-                            begin);
+    return static_cast<int>(
+        std::lower_bound(begin + neighbours_.begin(row), begin + neighbours_.end(row), column) - begin);
+  }
+
+  /// (I − P) field, with P the mean of the neighbours alone.
+  VectorXd without_mean(const VectorXd& field) const {
+    VectorXd rest = umbrella(field);
+    for (Eigen::Index v = 0; v < n_; ++v)
+      if (neighbours_.size(v) > 0) rest[v] /= neighbours_.size(v);
+    return rest;
   }
 
   void filter_normals(const Points& positions, const IndexLists& balls, double spatial, double range) {
@@ -195,7 +236,8 @@ class Fairer {
       Vector3d sum = Vector3d::Zero();
       for (int i = around_.begin(v); i < around_.end(v); ++i) {
         const int f = around_.indices[i];
-        sum += static_cast<double>(features_[8 * static_cast<std::size_t>(f) + 6]) * filtered_.row(f).transpose();
+        sum += static_cast<double>(features_[8 * static_cast<std::size_t>(f) + 6]) *
+               filtered_.row(f).transpose();
       }
       const double length = sum.norm();
       directions_.row(v) = length > 0 ? Vector3d(sum / length) : Vector3d::Zero();
@@ -210,19 +252,15 @@ class Fairer {
     for (Eigen::Index f = 0; f < m_; ++f) {
       const Vector3d normal = filtered_.row(f);
       double slope[3], height[3];
-      Vector3d corner[3];
       for (int k = 0; k < 3; ++k) {
         const int v = triangles_(f, k);
         slope[k] = fixed_[v] ? 0 : normal.dot(directions_.row(v));
         height[k] = normal.dot(noisy.row(v));
-        corner[k] = current.row(v);
       }
-      const double twice_area = (corner[1] - corner[0]).cross(corner[2] - corner[0]).norm();
+      const Eigen::RowVector3d weights = bounded_cotangents(current, f);
       for (int k = 0; k < 3; ++k) {
         const int a = (k + 1) % 3, b = (k + 2) % 3, i = triangles_(f, a), j = triangles_(f, b);
-        const double dot = (corner[a] - corner[k]).dot(corner[b] - corner[k]);
-        // Bounded, so that slivers neither decouple nor rule.
-        const double weight = twice_area > 0 ? std::clamp(dot / twice_area, 0.1, 3.0) : 0.1;
+        const double weight = weights[k];
         const double difference = height[a] - height[b];
         diagonal_[i] += weight * slope[a] * slope[a];
         diagonal_[j] += weight * slope[b] * slope[b];
@@ -233,6 +271,66 @@ class Fairer {
         right_[j] += weight * slope[b] * difference;
       }
     }
+  }
+
+  /// The refit with all three coordinates free: the same energy, and kSidewaysFidelity for moves across
+  /// the directions.
+  void refit_freely(const Points& noisy, const VectorXd& fidelity, Points& positions) {
+    edge_weights_.resize(m_, 3);
+    for (Eigen::Index f = 0; f < m_; ++f) edge_weights_.row(f) = bounded_cotangents(positions, f);
+    const auto slopes = [&](const Points& x) {
+      Points y = Points::Zero(n_, 3);
+      for (Eigen::Index f = 0; f < m_; ++f) {
+        const Eigen::RowVector3d normal = filtered_.row(f);
+        double height[3];
+        for (int k = 0; k < 3; ++k) height[k] = normal.dot(x.row(triangles_(f, k)));
+        for (int k = 0; k < 3; ++k) {
+          const int a = (k + 1) % 3, b = (k + 2) % 3;
+          const double pull = edge_weights_(f, k) * (height[a] - height[b]);
+          y.row(triangles_(f, a)) += pull * normal;
+          y.row(triangles_(f, b)) -= pull * normal;
+        }
+      }
+      return y;
+    };
+    const auto product = [&](const Points& x) {
+      Points y = slopes(x);
+      for (Eigen::Index v = 0; v < n_; ++v) {
+        const double along = x.row(v).dot(directions_.row(v));
+        y.row(v) +=
+            kSidewaysFidelity * x.row(v) + (fidelity[v] - kSidewaysFidelity) * along * directions_.row(v);
+        if (fixed_[v]) y.row(v).setZero();
+      }
+      return y;
+    };
+    Points right = -slopes(noisy);
+    for (Eigen::Index v = 0; v < n_; ++v)
+      if (fixed_[v]) right.row(v).setZero();
+    Points moves = positions - noisy;
+    Points residual = right - product(moves), search = residual;
+    double energy = residual.squaredNorm();
+    const double enough = 1e-6 * right.squaredNorm();
+    for (int i = 0; i < 100 && energy > enough; ++i) {
+      const Points image = product(search);
+      const double step = energy / search.cwiseProduct(image).sum();
+      moves += step * search;
+      residual -= step * image;
+      const double next = residual.squaredNorm();
+      search = residual + (next / energy) * search;
+      energy = next;
+    }
+    positions = noisy + moves;
+  }
+
+  /// Cotangents of the three angles, held in bounds so that slivers neither decouple nor rule.
+  Eigen::RowVector3d bounded_cotangents(const Points& positions, Eigen::Index f) const {
+    const Eigen::RowVector3d a = positions.row(triangles_(f, 0)), b = positions.row(triangles_(f, 1)),
+                             c = positions.row(triangles_(f, 2));
+    const double twice_area = (b - a).cross(c - a).norm();
+    if (!(twice_area > 0)) return Eigen::RowVector3d::Constant(kLeastCotangent);
+    return (Eigen::RowVector3d((b - a).dot(c - a), (c - b).dot(a - b), (a - c).dot(b - c)) / twice_area)
+        .cwiseMax(kLeastCotangent)
+        .cwiseMin(kMostCotangent);
   }
 
   /// Conjugate gradients with the diagonal as preconditioner: the moves of the round before are a good start
@@ -271,8 +369,9 @@ class Fairer {
     for (Eigen::Index v = 0; v < n_; ++v) excess[v] *= 1 + neighbours_.size(v);  // 1 for white noise
     excess = ring_mean(ring_mean(excess));
     for (Eigen::Index v = 0; v < n_; ++v)
-      fidelity[v] = std::clamp(fidelity[v] * std::pow(std::clamp(excess[v] / strategy.target, 0.1, 10.0), 0.3),
-                               strategy.least_fidelity, kMostFidelity);
+      fidelity[v] =
+          std::clamp(fidelity[v] * std::pow(std::clamp(excess[v] / strategy.target, 0.1, 10.0), 0.3),
+                     strategy.least_fidelity, kMostFidelity);
   }
 
   const Triangles& triangles_;
@@ -284,9 +383,9 @@ class Fairer {
   double centroid_distance_ = 0;
   std::vector<int> slots_;
   std::vector<float> features_;
-  Points filtered_, directions_;
+  Points filtered_, directions_, edge_weights_;
   std::vector<double> off_diagonal_;
-  VectorXd diagonal_, right_;
+  VectorXd diagonal_, right_, gains_;
 };
 
 void check_mesh(const Points& positions, const Triangles& triangles) {
@@ -300,8 +399,15 @@ void check_mesh(const Points& positions, const Triangles& triangles) {
                                   ", but the mesh has the vertices 0 to ", positions.rows() - 1));
 }
 
+double median(VectorXd values) {
+  double* const middle = values.data() + values.size() / 2;
+  std::nth_element(values.data(), middle, values.data() + values.size());
+  return *middle;
+}
+
 /// Shifts all vertices alike along `directions` until the enclosed volume is that of `positions`.
-void keep_volume(const Points& positions, const Triangles& triangles, const Points& directions, Points& moves) {
+void keep_volume(const Points& positions, const Triangles& triangles, const Points& directions,
+                 Points& moves) {
   const double volume = enclosed_volume(positions, triangles);
   for (int pass = 0; pass < 3; ++pass) {
     const Points moved = positions + moves;
@@ -346,7 +452,8 @@ Points fair_automatically(const Points& positions, const Triangles& triangles,
   }
   Fairer fairer(positions, triangles, options.keep_boundary, progress);
   if (!(told.significance > 0)) return positions;
-  const double deviation = told.noise * edge;
+  double deviation = told.noise * edge;
+  const bool refine = options.noise < 0;
 
   // The probe of Stein's estimate: random signs along the normals, a tenth of the noise.
   const Eigen::Index n = positions.rows();
@@ -364,8 +471,10 @@ Points fair_automatically(const Points& positions, const Triangles& triangles,
   for (int k = 0; k < 2; ++k) {
     const Strategy& strategy = *strategies[k];
     const int iterations = options.iterations > 0 ? options.iterations : strategy.iterations;
-    runs[k] = fairer.run(positions, deviation, strategy, iterations, 0.5 * k, 0.25);
-    const Fairer::Run again = fairer.run(perturbed, deviation, strategy, iterations, 0.5 * k + 0.25, 0.25);
+    runs[k] = fairer.run(positions, deviation, refine && k == 0, strategy, iterations, 0.5 * k, 0.25);
+    if (k == 0) deviation = runs[0].deviation;
+    const Fairer::Run again =
+        fairer.run(perturbed, deviation, false, strategy, iterations, 0.5 * k + 0.25, 0.25);
     const VectorXd removed =
         (runs[k].positions - positions).cwiseProduct(normals).rowwise().sum() / deviation;
     const VectorXd response =
@@ -378,21 +487,30 @@ Points fair_automatically(const Points& positions, const Triangles& triangles,
     told.risks.push_back(risk[k].sum() / valences - 1);
   }
 
-  // Which strategy each region takes.
-  VectorXd organic = VectorXd::Constant(n, told.risks[1] < told.risks[0] ? 1.0 : 0.0);
-  if (options.regional) {
-    VectorXd advantage = risk[0] - risk[1];
-    for (int pass = 0; pass < 6; ++pass) advantage = fairer.ring_mean(advantage);
-    for (Eigen::Index v = 0; v < n; ++v) organic[v] = advantage[v] > 0 ? 1.0 : 0.0;
-    for (int pass = 0; pass < 3; ++pass) organic = fairer.ring_mean(organic);
+  // A region of some hundred triangles tells the strategies apart only where they differ much; so the whole
+  // mesh takes what is better at most places, but for the regions where the other is better beyond doubt.
+  VectorXd advantage = risk[0] - risk[1], regional;
+  for (int pass = 0; pass < 48; ++pass) {
+    advantage = fairer.ring_mean(advantage);
+    if (pass == 11) regional = advantage;
   }
-  told.shares = {1 - organic.mean(), organic.mean()};
-  const int winner = told.shares[1] > 0.5 ? 1 : 0;
+  const int winner = median(advantage) > 0 ? 1 : 0;
+  const double typical = median(regional);
+  const double doubt = kDoubt * 1.4826 * median((regional.array() - typical).abs().matrix());
+  VectorXd other(n);  // share of the strategy that did not win
+  for (Eigen::Index v = 0; v < n; ++v) {
+    const double lead = winner == 0 ? regional[v] : -regional[v];
+    other[v] = lead > doubt ? 1 : 0;
+  }
+  for (int pass = 0; pass < 3; ++pass) other = fairer.ring_mean(other);
+  told.exceptions = other.mean();
+  told.strategy = strategies[winner]->name;
+  told.noise = deviation / edge;
   told.iterations = options.iterations > 0 ? options.iterations : strategies[winner]->iterations;
-  Points moves = told.significance * (runs[0].positions - positions +
-                                      organic.asDiagonal() * (runs[1].positions - runs[0].positions));
-  if (fairer.is_closed())
-    keep_volume(positions, triangles, runs[winner].directions, moves);
+  Points moves =
+      told.significance * (runs[winner].positions - positions +
+                           other.asDiagonal() * (runs[1 - winner].positions - runs[winner].positions));
+  if (fairer.is_closed()) keep_volume(positions, triangles, runs[winner].directions, moves);
   told.largest_move = moves.rowwise().norm().maxCoeff();
   return positions + moves;
 }

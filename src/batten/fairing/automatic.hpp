@@ -15,8 +15,6 @@ struct AutomaticFairingOptions {
   double noise = -1;
   /// Rounds of filter and refit; 0 takes 14 for sharp and 10 for organic shapes.
   int iterations = 0;
-  /// Judge the strategies region by region; false: one strategy for the whole mesh.
-  bool regional = true;
   /// Keep border vertices where they are.
   bool keep_boundary = false;
   /// The first problem found, in words, or nothing.
@@ -25,19 +23,21 @@ struct AutomaticFairingOptions {
 
 /// What fair_automatically() found out and did.
 struct AutomaticFairingReport {
-  double noise = 0;         ///< in mean edge lengths, given or estimated
+  double noise = 0;  ///< in mean edge lengths, given or estimated (and measured again on what was removed)
   double significance = 1;  ///< 0 where the mesh was found clean and left alone; scales the moves
   /// One entry per strategy tried, in the order of `strategies`.
   std::vector<std::string> strategies;
-  std::vector<double> risks;  ///< Stein's estimate of the normals' error, in units of the noise's own; lower wins
-  std::vector<double> shares; ///< share of the vertices that took each strategy, summing to 1
-  int iterations = 0;         ///< rounds of the strategy with the largest share
-  double largest_move = 0;    ///< in the unit of the mesh
+  std::vector<double>
+      risks;              ///< Stein's estimate of the normals' error, in units of the noise's own; lower wins
+  std::string strategy;   ///< the one taken; empty when the mesh was left alone
+  double exceptions = 0;  ///< share of the vertices in regions that took the other
+  int iterations = 0;     ///< its rounds
+  double largest_move = 0;  ///< in the unit of the mesh
 };
 
 /// Removes noise from a mesh, keeping sharp edges sharp and organic shapes organic, without parameters.
 ///
-/// Vertices move along their normals only, by t (n unknowns), in rounds of three steps:
+/// Vertices move along their normals, by t (n unknowns), in rounds of three steps:
 ///  1. the normals of the triangles are averaged with weights exp(−d²/2s²) exp(−|N − N'|²/2r²) · area over
 ///     the neighbourhood (the nonlocal weights of H (2.21) on normals instead of curvatures);
 ///  2. t is refitted from the noisy mesh: min Σ_f Σ_k cot_k (n_f · (x_i − x_j))² + Σ_v λ_v t_v², so that the
@@ -48,8 +48,9 @@ struct AutomaticFairingReport {
 ///
 /// Two strategies (narrow range and wide neighbourhood for sharp parts, the opposite for organic ones) are
 /// run twice, the second time on slightly perturbed input, and judged by Stein's unbiased risk estimate
-/// (Stein 1981; Ramani, Blu, Unser 2008 for the perturbation), of the error of the normals around each
-/// vertex. Every region takes the one that is better there.
+/// (Stein 1981; Ramani, Blu, Unser 2008 for the perturbation) of the error of the normals; the one that is
+/// better at most places is taken, but for regions where the other is better beyond doubt. On meshes with a
+/// known truth the estimate agrees with the true error to a few per cent.
 ///
 /// A closed mesh keeps the volume of the input. Deterministic.
 /// @return the new positions.

@@ -37,8 +37,36 @@ IndexLists vertex_neighbours(const Triangles& triangles, Eigen::Index n_vertices
   return lists;
 }
 
-IndexLists triangle_balls(const Points& centroids, const Triangles& triangles, const IndexLists& around_vertex,
-                          double radius, int most) {
+Eigen::VectorXd bi_umbrella_gains(const IndexLists& neighbours) {
+  const Eigen::Index n = static_cast<Eigen::Index>(neighbours.offsets.size()) - 1;
+  Eigen::VectorXd gains = Eigen::VectorXd::Zero(n);
+  std::vector<double> row(static_cast<std::size_t>(n), 0.0);
+  std::vector<int> touched;
+  const auto add = [&](int column, double value) {
+    if (row[column] == 0) touched.push_back(column);
+    row[column] += value;
+  };
+  for (Eigen::Index v = 0; v < n; ++v) {
+    if (neighbours.size(v) == 0) continue;
+    const double share = 1.0 / neighbours.size(v);
+    add(static_cast<int>(v), 1);
+    for (int i = neighbours.begin(v); i < neighbours.end(v); ++i) {
+      const int u = neighbours.indices[i];
+      add(u, -2 * share);
+      for (int j = neighbours.begin(u); j < neighbours.end(u); ++j)
+        add(neighbours.indices[j], share / neighbours.size(u));
+    }
+    for (const int column : touched) {
+      gains[v] += row[column] * row[column];
+      row[column] = 0;
+    }
+    touched.clear();
+  }
+  return gains;
+}
+
+IndexLists triangle_balls(const Points& centroids, const Triangles& triangles,
+                          const IndexLists& around_vertex, double radius, int most) {
   const Eigen::Index m = triangles.rows();
   const double squared_radius = radius * radius;
   // Each chunk marks triangles in an array of its own: a bounded number of chunks.
@@ -83,9 +111,9 @@ IndexLists triangle_balls(const Points& centroids, const Triangles& triangles, c
 Points triangle_centroids(const Points& positions, const Triangles& triangles) {
   Points centroids(triangles.rows(), 3);
   for (Eigen::Index f = 0; f < triangles.rows(); ++f)
-    centroids.row(f) = (positions.row(triangles(f, 0)) + positions.row(triangles(f, 1)) +
-                        positions.row(triangles(f, 2))) /
-                       3;
+    centroids.row(f) =
+        (positions.row(triangles(f, 0)) + positions.row(triangles(f, 1)) + positions.row(triangles(f, 2))) /
+        3;
   return centroids;
 }
 

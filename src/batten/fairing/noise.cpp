@@ -42,7 +42,8 @@ Points add_gaussian_noise(const Points& positions, const Triangles& triangles, d
   const Points normals = vertex_normals(positions, triangles);
   Random random(seed);
   Points noisy = positions;
-  for (Eigen::Index v = 0; v < noisy.rows(); ++v) noisy.row(v) += deviation * random.normal() * normals.row(v);
+  for (Eigen::Index v = 0; v < noisy.rows(); ++v)
+    noisy.row(v) += deviation * random.normal() * normals.row(v);
   return noisy;
 }
 
@@ -96,7 +97,8 @@ NoiseEstimate estimate_noise(const Points& positions, const Triangles& triangles
   const auto mean_of_neighbours = [&](const Points& field) {
     Points mean = Points::Zero(n, 3);
     for (Eigen::Index v = 0; v < n; ++v) {
-      for (int i = neighbours.begin(v); i < neighbours.end(v); ++i) mean.row(v) += field.row(neighbours.indices[i]);
+      for (int i = neighbours.begin(v); i < neighbours.end(v); ++i)
+        mean.row(v) += field.row(neighbours.indices[i]);
       if (neighbours.size(v) > 0) mean.row(v) /= neighbours.size(v);
     }
     return mean;
@@ -107,34 +109,12 @@ NoiseEstimate estimate_noise(const Points& positions, const Triangles& triangles
   const Points umbrella = positions - mean_of_neighbours(positions);
   const Points bi_umbrella = umbrella - mean_of_neighbours(umbrella);
 
+  const Eigen::VectorXd gains = fairing_detail::bi_umbrella_gains(neighbours);
   std::vector<double> deviations;
   deviations.reserve(static_cast<std::size_t>(n));
-  std::vector<double> row(static_cast<std::size_t>(n), 0.0);
-  std::vector<int> touched;
-  const auto add = [&](int column, double value) {
-    if (row[column] == 0) touched.push_back(column);
-    row[column] += value;
-  };
-  for (Eigen::Index v = 0; v < n; ++v) {
-    const double length = normals.row(v).norm();
-    if (neighbours.size(v) == 0 || !(length > 0)) continue;
-    // The row of I − 2 P + P² at v: its length is how much white noise is amplified.
-    add(static_cast<int>(v), 1);
-    const double share = 1.0 / neighbours.size(v);
-    for (int i = neighbours.begin(v); i < neighbours.end(v); ++i) {
-      const int u = neighbours.indices[i];
-      add(u, -2 * share);
-      for (int j = neighbours.begin(u); j < neighbours.end(u); ++j)
-        add(neighbours.indices[j], share / neighbours.size(u));
-    }
-    double gain = 0;
-    for (const int column : touched) {
-      gain += row[column] * row[column];
-      row[column] = 0;
-    }
-    touched.clear();
-    deviations.push_back(std::abs(bi_umbrella.row(v).dot(normals.row(v))) / (length * std::sqrt(gain)));
-  }
+  for (Eigen::Index v = 0; v < n; ++v)
+    if (const double length = normals.row(v).norm(); gains[v] > 0 && length > 0)
+      deviations.push_back(std::abs(bi_umbrella.row(v).dot(normals.row(v))) / (length * std::sqrt(gains[v])));
   if (deviations.empty()) return estimate;
   const auto middle = deviations.begin() + static_cast<std::ptrdiff_t>(deviations.size() / 2);
   std::nth_element(deviations.begin(), middle, deviations.end());
