@@ -139,10 +139,10 @@ int run(int argc, char** argv) {
   CLI::App app("Batten turns curves traced on an object into a fair surface.", "batten");
   app.require_subcommand(1);
   app.set_version_flag("--version", "batten " BATTEN_VERSION);
-  // add_simulate(app);
-  // add_calibrate(app);
+  add_simulate(app);
+  add_calibrate(app);
   // add_network(app);
-  // add_surface(app);
+  add_surface(app);
   // add_reconstruct(app);
   add_compare(app);
   // add_convert(app);

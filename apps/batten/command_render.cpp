@@ -17,7 +17,7 @@ namespace {
 struct RenderArguments {
   std::string file, output, network, against;
   std::string shading = "shaded", size = "1200x900", view = "three-quarter", projection = "perspective",
-              normals = "geometry", registration = "none";
+              normals = "geometry", registration = "none", up = "z";
   int stripes = 28, samples = 3;
   double zoom = 1, range = 0;
 };
@@ -75,6 +75,7 @@ Outcome run_render(const RenderArguments& arguments, Context& context) {
   options.view = parse_view(arguments.view);
   options.view.perspective = arguments.projection == "perspective";
   options.view.zoom = arguments.zoom;
+  options.view.up_axis = arguments.up[0] - 'x';
   options.samples = arguments.samples;
   options.stripes = arguments.stripes;
   options.range = arguments.range;
@@ -131,13 +132,14 @@ void add_render(CLI::App& app) {
                   [arguments](Context& context) { return run_render(*arguments, context); });
   std::string names;
   for (const Shading shading : all_shadings())
-    names += (names.empty() ? "" : ", ") + std::string(shading_name(shading));
+    names += concat(names.empty() ? "" : ", ", shading_name(shading));
   command->add_option("FILE", arguments->file, "Mesh or network to draw")->required();
   command->add_option("-o,--output", arguments->output, "Picture to write (.png)")
       ->required()
       ->check(CLI::Validator(
           [](std::string& path) {
-            return file_extension(path) == "png" ? std::string() : "the picture must be named *.png: " + path;
+            return file_extension(path) == "png" ? std::string()
+                                                 : concat("the picture must be named *.png: ", path);
           },
           "PNG"));
   command
@@ -154,6 +156,8 @@ void add_render(CLI::App& app) {
       ->add_option("--view", arguments->view,
                    "three-quarter, front, back, left, right, top, bottom, or AZIMUTH,ELEVATION in degrees")
       ->check(checked([](const std::string& text) { parse_view(text); }, "VIEW"));
+  command->add_option("--up", arguments->up, "Axis of the file that points up: x, y, z")
+      ->check(CLI::IsMember({"x", "y", "z"}));
   command->add_option("--projection", arguments->projection, "perspective or parallel")
       ->check(CLI::IsMember({"perspective", "parallel"}));
   command->add_option("--zoom", arguments->zoom, "Enlarge about the middle of the picture")

@@ -48,8 +48,12 @@ Camera::Camera(const Points& points, const View& view, double left, double top, 
     : perspective_(view.perspective) {
   if (!(view.zoom > 0)) throw InvalidInput(concat("the zoom must be above 0, got ", view.zoom));
   const double a = radians(view.azimuth_deg), e = radians(view.elevation_deg);
-  const Vector3d backward(std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e));
-  const Vector3d right(-std::sin(a), std::cos(a), 0);
+  if (view.up_axis < 0 || view.up_axis > 2)
+    throw InvalidInput(concat("the axis that points up is 0, 1 or 2, got ", view.up_axis));
+  const Vector3d up = Vector3d::Unit(view.up_axis), x = Vector3d::Unit((view.up_axis + 1) % 3),
+                 y = Vector3d::Unit((view.up_axis + 2) % 3);
+  const Vector3d backward = std::cos(e) * (std::cos(a) * x + std::sin(a) * y) + std::sin(e) * up;
+  const Vector3d right = -std::sin(a) * x + std::cos(a) * y;
   rotation_.row(0) = right.transpose();
   rotation_.row(1) = Vector3d(backward.y() * right.z() - backward.z() * right.y(),
                               backward.z() * right.x() - backward.x() * right.z(),

@@ -7,11 +7,12 @@
 
 namespace batten {
 
-/// From where a picture is taken. The world's z axis points up.
+/// From where a picture is taken.
 struct View {
   double azimuth_deg = -55;   ///< of the viewer, from the x axis towards the y axis
   double elevation_deg = 28;  ///< of the viewer above the horizon, −90 … 90
   bool perspective = true;    ///< false: parallel projection
+  int up_axis = 2;            ///< 0 x, 1 y, 2 z; azimuth counts from the axis after it
   double zoom = 1;            ///< enlarges about the middle of the picture, above 0
 };
 

@@ -40,7 +40,7 @@ constexpr ShadingName kShadings[] = {{Shading::Shaded, "shaded"},
                                      {Shading::Error, "error"}};
 
 const Colour kInk = hex_colour(0x2b2f36), kCurve = hex_colour(0x1c4a86), kBorderCurve = hex_colour(0xc25a1c),
-             kClay = hex_colour(0xc9ced6), kInside = hex_colour(0xc7a78f), kPale = hex_colour(0xe9ebee),
+             kClay = hex_colour(0xc3cad6), kInside = hex_colour(0xc7a78f), kPale = hex_colour(0xe9ebee),
              kGrey = hex_colour(0x9aa0a8);
 
 Colour background(double y) {
@@ -63,8 +63,8 @@ struct Lighting {
 
   Colour diffuse(const Vector3f& n) const {
     const float sky = 0.5F + 0.5F * n.dot(up);
-    Colour light = (0.16F + 0.20F * sky) * Colour(0.94F, 0.97F, 1.0F);
-    light += 0.62F * wrapped(n, key, 0.12F) * Colour(1.0F, 0.975F, 0.94F);
+    Colour light = (0.07F + 0.19F * sky) * Colour(0.94F, 0.97F, 1.0F);
+    light += 0.74F * wrapped(n, key, 0.10F) * Colour(1.0F, 0.975F, 0.94F);
     light += 0.17F * wrapped(n, fill, 0.3F) * Colour(0.90F, 0.95F, 1.0F);
     light += 0.12F * wrapped(n, back, 0.1F) * Colour(1.0F, 1.0F, 1.0F);
     return light;
@@ -75,7 +75,7 @@ struct Lighting {
   }
   Colour matt(const Vector3f& n, const Vector3f& viewer, const Colour& material) const {
     const float fresnel = std::pow(1 - std::max(0.0F, n.dot(viewer)), 4.0F);
-    return 1.12F * diffuse(n).cwiseProduct(material) +
+    return 1.10F * diffuse(n).cwiseProduct(material) +
            Colour::Constant(0.06F * specular(n, viewer, 18) + 0.05F * specular(n, viewer, 90) +
                             0.06F * fresnel);
   }
@@ -191,7 +191,7 @@ ColourScale error_scale(const Eigen::VectorXd& values, const std::string& unit, 
   scale.high = range > 0 ? range : percentile(list, 0.99);
   if (!(scale.high > 0)) scale.high = largest > 0 ? largest : 1;
   scale.title = unit;
-  scale.note = "max " + short_number(largest);
+  scale.note = concat("max ", short_number(largest));
   return scale;
 }
 
@@ -238,8 +238,9 @@ void draw_bar(Image& image, const ColourScale& scale) {
   }
   for (const double value : ticks(scale.low, scale.high)) {
     const double y = y1 - (y1 - y0) * (value - scale.low) / (scale.high - scale.low);
-    draw_line(image, x1, y, x1 + 0.35 * cap, y, std::max(1.0, 0.1 * cap), kInk);
-    draw_text(image, x1 + 0.75 * cap, y + 0.5 * cap, short_number(value), cap, kInk);
+    draw_line(image, x1 - 0.3 * (x1 - x0), y, x1 - 1, y, 1,
+              kInk);  // inside: beside the number it would be a minus
+    draw_text(image, x1 + 0.6 * cap, y + 0.5 * cap, short_number(value), cap, kInk);
   }
   draw_text(image, image.width - 0.1 * room, y0 - 1.8 * cap, scale.title, cap, kInk, Align::Right);
   draw_text(image, x0, y1 + 2.2 * cap, scale.note, cap, kInk);
@@ -328,7 +329,7 @@ void add_network(Scene& scene, const CurveNetwork& network, double radius, const
     }
   if (values != nullptr) return;
   for (const int v : network_topology(network).nodes)
-    scene.tubes.push_back({network.positions.row(v), network.positions.row(v), 1.9 * radius, kInk});
+    scene.tubes.push_back({network.positions.row(v), network.positions.row(v), 2.3 * radius, kInk});
 }
 
 /// Adds the quills and the line through their tips. @return the tips, for the camera.
@@ -338,7 +339,7 @@ Points add_porcupine(Scene& scene, const CurveNetwork& network, double radius, d
   for (const Quills& quills : plot)
     for (const double k : quills.curvature) bends.push_back(std::abs(k));
   const double typical = percentile(bends, 0.98);
-  const double length = typical > 0 ? 0.16 * size / typical : 0;
+  const double length = typical > 0 ? 0.10 * size / typical : 0;
   std::vector<Vector3d> tips;
   for (const Quills& quills : plot) {
     // At most some 90 quills per diameter, so that they stay apart in the picture.
@@ -409,7 +410,7 @@ void add_gauss_map(Scene& scene, const Subject& subject, double radius) {
   const Eigen::Index step = std::max<Eigen::Index>(1, normals.rows() / 20000);
   for (Eigen::Index i = 0; i < normals.rows(); i += step)
     if (normals.row(i).squaredNorm() > 0)
-      scene.tubes.push_back({normals.row(i), normals.row(i), 0.8 * radius, kCurve});
+      scene.tubes.push_back({normals.row(i), normals.row(i), 1.3 * radius, kCurve});
 }
 
 /// Curvature of the vertices; on borders, where the operators say nothing, the mean of the neighbours inside.
@@ -457,7 +458,7 @@ Shading parse_shading(std::string_view name) {
   std::string names;
   for (const ShadingName& entry : kShadings) {
     if (entry.name == name) return entry.shading;
-    names += (names.empty() ? "" : ", ") + std::string(entry.name);
+    names += concat(names.empty() ? "" : ", ", entry.name);
   }
   throw InvalidInput(concat("there is no shading '", name, "'; choose from ", names));
 }
@@ -544,7 +545,7 @@ Image render(const Subject& subject, const RenderOptions& options, const Progres
                       options.height - 2 * margin);
 
   Lighting lighting;
-  lighting.up = (camera.rotation() * Vector3d::UnitZ()).cast<float>();
+  lighting.up = (camera.rotation() * Vector3d::Unit(options.view.up_axis)).cast<float>();
   const Eigen::Matrix3d& to_camera = camera.rotation();
   const double edge_half_width = 0.32 * radius;
 
@@ -601,7 +602,7 @@ Image render(const Subject& subject, const RenderOptions& options, const Progres
       case Shading::Isophotes:
         return isophote(n, lighting, options.stripes);
       case Shading::ReflectionLines:
-        return reflection(n, viewer, lighting, 2 * options.stripes);
+        return reflection(n, viewer, lighting, options.stripes);
       case Shading::NormalMap:
         return normal_circles(n, viewer);
       case Shading::MeanCurvature:

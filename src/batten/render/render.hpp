@@ -41,7 +41,7 @@ struct Subject {
   const CurveNetwork* network = nullptr;
   /// For Shading::Error: distances per vertex of the mesh, or of the network where there is no mesh; values
   /// that are not finite are drawn grey.
-  Eigen::VectorXd errors;
+  Eigen::VectorXd errors = {};
   /// Divides the errors for the colour bar, with its unit: 100 / diameter and "% of the diameter".
   double error_scale = 1;
   std::string error_unit = "distance";

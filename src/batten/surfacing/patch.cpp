@@ -27,6 +27,11 @@ double on_grid(double x) {
   return std::round(x / kGrid) * kGrid;
 }
 
+/// Edges inside a patch ÷ mean edge of its loops. S 4.4.2 bounds areas by h²/2, which this makes h²/4:
+/// vertices keep their distance to the true surface, while the flat triangles between them come half as far
+/// from it.
+constexpr double kInnerEdge = 0.7071067811865476;
+
 double mean_edge(const ScaledNetwork& network, const NetworkCycle& cycle) {
   double sum = 0;
   std::size_t count = 0;
@@ -325,8 +330,8 @@ PatchMesh mesh_patch_in_space(const ScaledNetwork& network, const NetworkCycle& 
   PatchMesh mesh;
   mesh.layout = PatchLayout::Space;
   std::string problem;
-  if (!fill_loops(network.positions, network.normals, cycle, edge > 0 ? edge : mean_edge(network, cycle),
-                  mesh, problem))
+  if (!fill_loops(network.positions, network.normals, cycle,
+                  edge > 0 ? edge : kInnerEdge * mean_edge(network, cycle), mesh, problem))
     throw InvalidInput(
         concat(patch_name(cycle, patch), " cannot be filled: ", problem, "; split it with another curve"));
   return mesh;
@@ -347,7 +352,7 @@ static bool is_tube(const ScaledNetwork& network, const NetworkCycle& cycle) {
 
 PatchMesh mesh_patch(const ScaledNetwork& network, const NetworkCycle& cycle, int patch, PatchMap map,
                      double edge, std::string& warning) {
-  if (!(edge > 0)) edge = mean_edge(network, cycle);
+  if (!(edge > 0)) edge = kInnerEdge * mean_edge(network, cycle);
   for (const NetworkCycle::Loop& loop : cycle.loops)
     if (loop.vertices.size() < 3)
       throw InvalidInput(
