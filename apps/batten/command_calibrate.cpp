@@ -66,7 +66,7 @@ Outcome run_calibrate(const CalibrateArguments& arguments) {
   outcome.figures["magnetometer"] = sensor_json(device.calibration.magnetometer, device.magnetometer);
   const Eigen::Vector3d& bias = device.calibration.gyroscope_bias;
   outcome.figures["gyroscope"] = {{"bias", {bias.x(), bias.y(), bias.z()}},
-                                  {"readings_at_rest", device.gyroscope_readings}};
+                                  {"windows_at_rest", device.gyroscope_windows}};
   outcome.figures["alignment_deg"] = degrees(device.alignment);
   outcome.figures["inclination_deg"] = degrees(device.inclination);
   outcome.figures["output"] = arguments.output;

@@ -125,11 +125,14 @@ SimulatedObject load_object(const SimulateArguments& arguments, Outcome& outcome
   return object;
 }
 
-void check_outputs(const SimulateArguments& arguments) {
-  const std::string expected = arguments.raw ? "csv" : "rawnet";
-  if (file_extension(arguments.output) != expected)
-    throw CLI::ValidationError(concat("--output: a ", arguments.raw ? "log of raw readings" : "scan",
-                                      " is written as .", expected, ", got ", arguments.output));
+void check_outputs(const SimulateArguments& arguments, Outcome& outcome) {
+  const std::string extension = file_extension(arguments.output);
+  if (!arguments.raw && extension != "rawnet")
+    throw CLI::ValidationError(concat("--output: a scan is written as .rawnet, got ", arguments.output));
+  if (arguments.raw && extension != "csv")
+    outcome.warnings.push_back(concat(arguments.output,
+                                      " is a sensor log in comma-separated values; .csv tells "
+                                      "so"));
   if (!arguments.tumble.empty() && !arguments.raw)
     throw CLI::ValidationError("--tumble needs --raw: a scan of orientations has no sensors to calibrate");
   try {
@@ -190,7 +193,7 @@ void add_figures(Json& figures, const SimulatedObject& object, const SimulatedSc
 
 Outcome run_simulate(const SimulateArguments& arguments) {
   Outcome outcome;
-  check_outputs(arguments);
+  check_outputs(arguments, outcome);
   SimulateOptions options = options_of(arguments);
   SimulatedObject object;
   {

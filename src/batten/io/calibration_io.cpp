@@ -88,6 +88,8 @@ Calibration parse_calibration(const std::string& text, const std::string& name) 
     document = Json::parse(text);
   } catch (const nlohmann::json::parse_error& error) {
     reader.fail(concat("is not valid JSON near byte ", error.byte, "; write the file with batten calibrate"));
+  } catch (const nlohmann::json::exception&) {  // numbers beyond the range of double
+    reader.fail("holds a number that is out of range; write the file with batten calibrate");
   }
   if (!document.is_object() || document.value("format", Json()) != kFormat)
     reader.fail(
@@ -110,7 +112,7 @@ void write_calibration(const DeviceCalibration& device, const std::string& path)
   document["magnetometer"] = sensor_json(device.calibration.magnetometer, device.magnetometer, "uT");
   document["gyroscope"] = {{"unit", "rad/s"},
                            {"bias", vector_json(device.calibration.gyroscope_bias)},
-                           {"readings_at_rest", device.gyroscope_readings}};
+                           {"windows_at_rest", device.gyroscope_windows}};
   document["alignment_deg"] = degrees(device.alignment);
   document["inclination_deg"] = degrees(device.inclination);
   write_file(path, document.dump(2) + "\n");

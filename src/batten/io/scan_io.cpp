@@ -87,8 +87,8 @@ bool normalize(double* v) {
   const double squared = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
   if (!(squared > kSmallestDirection * kSmallestDirection)) return false;
   if (std::abs(squared - 1) <= 8 * std::numeric_limits<double>::epsilon()) return true;
-  const double factor = 1 / std::sqrt(squared);
-  for (int k = 0; k < 3; ++k) v[k] *= factor;
+  const double length = std::sqrt(squared);
+  for (int k = 0; k < 3; ++k) v[k] /= length;
   return true;
 }
 
@@ -372,15 +372,14 @@ void write_rawnet(const Scan& scan, const std::string& path) {
 }
 
 LogScan read_scan(const std::string& path, const LogScanOptions& options) {
-  const std::string extension = file_extension(path);
-  bool is_log = extension == "csv";
-  if (!is_log && extension != "rawnet") {
-    // Told by the first line that is neither blank nor comment: a log begins with the names of its columns.
+  // Told by the first line that is neither blank nor comment: a log begins with the names of its columns.
+  bool is_log = false;
+  {
     LineReader in(path);
     std::string_view line;
-    while (in.next(line) && without_comment(line).empty()) {
-    }
-    is_log = line.find("time_s") != std::string_view::npos;
+    bool found = in.next(line);
+    while (found && without_comment(line).empty()) found = in.next(line);
+    is_log = found && line.find("time_s") != std::string_view::npos;
   }
   if (is_log) {
     const SensorLog log = read_sensor_log(path);

@@ -158,14 +158,29 @@ class CycleFinder {
       std::sort(around.begin(), around.end(), [](const Spoke& a, const Spoke& b) {
         return a.angle != b.angle ? a.angle < b.angle : a.dart < b.dart;
       });
-      if (around.size() > 2)
-        for (std::size_t round = 0; round < around.size(); ++round)
-          for (std::size_t i = 0; i < around.size(); ++i) {
-            Spoke& a = around[i];
-            Spoke& b = around[(i + 1) % around.size()];
-            const double gap = std::remainder(b.angle - a.angle, 2 * kPi);
-            if (std::abs(gap) < radians(4) && parting(a.dart, b.dart) < 0) std::swap(a.dart, b.dart);
+      if (around.size() > 2) {
+        // Begin after the widest gap: curves that touch then stand side by side, never across the ends.
+        std::size_t widest = 0;
+        double width = -1;
+        for (std::size_t i = 0; i < around.size(); ++i) {
+          double gap = around[(i + 1) % around.size()].angle - around[i].angle;
+          if (i + 1 == around.size()) gap += 2 * kPi;
+          if (gap > width) {
+            width = gap;
+            widest = i;
           }
+        }
+        std::rotate(around.begin(),
+                    around.begin() + static_cast<std::ptrdiff_t>((widest + 1) % around.size()), around.end());
+        for (std::size_t round = 1; round < around.size(); ++round)
+          for (std::size_t i = 0; i + 1 < around.size(); ++i) {
+            Spoke& first = around[i];
+            Spoke& second = around[i + 1];
+            const double gap = std::remainder(second.angle - first.angle, 2 * kPi);
+            if (std::abs(gap) < radians(4) && parting(first.dart, second.dart) < 0)
+              std::swap(first.dart, second.dart);
+          }
+      }
       // With the patch to the left, a walk that arrives by a dart leaves by the one clockwise of its twin.
       for (std::size_t i = 0; i < around.size(); ++i)
         next_[twin(around[(i + 1) % around.size()].dart)] = around[i].dart;

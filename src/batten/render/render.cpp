@@ -218,7 +218,8 @@ std::vector<double> ticks(double low, double high) {
       break;
     }
   std::vector<double> list;
-  for (double k = std::ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; ++k) list.push_back(k * step);
+  for (double k = std::ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; ++k)
+    list.push_back(k * step + 0.0);  // never minus zero
   return list;
 }
 

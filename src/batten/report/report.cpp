@@ -58,7 +58,7 @@ header{border-bottom:2px solid var(--accent);padding-bottom:.9rem;margin-bottom:
 h1{font-size:1.75rem;line-height:1.2;margin:0;font-weight:650;letter-spacing:-.01em}
 h2{font-size:1.08rem;margin:2.1rem 0 .7rem;font-weight:650}
 header p{margin:.35rem 0 0;color:var(--soft);overflow-wrap:anywhere}
-.pictures{display:grid;grid-template-columns:repeat(auto-fit,minmax(330px,1fr));gap:1rem}
+.pictures{display:grid;grid-template-columns:repeat(auto-fit,minmax(400px,1fr));gap:1rem}
 figure{margin:0;background:var(--card);border:1px solid var(--line);border-radius:8px;overflow:hidden;break-inside:avoid}
 figure.wide{grid-column:1/-1}
 figure img{display:block;width:100%;height:auto;background:#fff}

@@ -33,9 +33,13 @@ constexpr double kTukey = 4.685;
 constexpr double kMadToDeviation = 1.4826;
 // Lengths never agree better than this (relative): sensors have 16 bits.
 constexpr double kSmallestScale = 1e-9;
-// Rotation rates below this are rest (rad/s).
-constexpr double kRest = 0.1;
-constexpr Eigen::Index kFewestAtRest = 20;
+// No gyroscope's zero is farther off (rad/s); a steady turn is faster.
+constexpr double kLargestBias = 0.1;
+// Readings in a window that is looked at for rest.
+constexpr Eigen::Index kRestWindow = 20;
+// Below this the unknowns of the fit are not told apart by the readings (smallest to largest eigenvalue of
+// the normal matrix, scaled to a unit diagonal).
+constexpr double kSmallestDeterminacy = 1e-6;
 
 double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -86,7 +90,7 @@ struct Coverage {
 };
 
 Coverage coverage_of(const std::vector<Vector3d>& unit_readings) {
-  static const double kNear = std::cos(radians(30));
+  static const double kNear = std::cos(radians(20));
   const std::vector<Vector3d> directions = spread_directions();
   Coverage coverage;
   std::array<int, 6> missing{};  // +x −x +y −y +z −z
@@ -148,6 +152,35 @@ void fit_sphere(const Points& x, Vector3d& centre, double& radius) {
     used.clear();
     for (size_t k = 0; k < misfits.size() * 9 / 10; ++k) used.push_back(misfits[k].second);
   }
+}
+
+/// The zero of the gyroscope: its mean over the windows in which it is as quiet as it ever gets, give or
+/// take, and slow. Windows of a turn that starts or stops are not quiet.
+void find_gyroscope_bias(const Points& gyroscope, DeviceCalibration& device) {
+  struct Window {
+    double variance;
+    Vector3d mean;
+  };
+  std::vector<Window> windows;
+  for (Eigen::Index i = 0; i + kRestWindow <= gyroscope.rows(); i += kRestWindow / 4) {
+    const auto rows = gyroscope.middleRows(i, kRestWindow);
+    if (!rows.allFinite()) continue;
+    const Eigen::RowVector3d mean = rows.colwise().mean();
+    if (mean.norm() > kLargestBias) continue;
+    windows.push_back({(rows.rowwise() - mean).squaredNorm(), mean.transpose()});
+  }
+  if (windows.empty()) return;
+  const auto quietest = std::min_element(
+      windows.begin(), windows.end(), [](const auto& a, const auto& b) { return a.variance < b.variance; });
+  Vector3d sum = Vector3d::Zero();
+  long n = 0;
+  for (const Window& window : windows) {
+    if (window.variance > 2 * quietest->variance) continue;
+    sum += window.mean;
+    ++n;
+  }
+  device.calibration.gyroscope_bias = sum / static_cast<double>(n);
+  device.gyroscope_windows = n;
 }
 
 }  // namespace
@@ -277,6 +310,13 @@ SensorCalibration fit_ellipsoid(const Points& readings, EllipsoidFitReport& repo
     throw InvalidInput(concat("the readings cover only ", std::lround(100 * coverage.share),
                               " % of all directions; turn the device so that the field also comes from ",
                               coverage.missing));
+  const Vector9d diagonal = normal_matrix.diagonal().cwiseSqrt().cwiseMax(1e-150);
+  const Eigen::SelfAdjointEigenSolver<Matrix9d> determinacy(
+      diagonal.cwiseInverse().asDiagonal() * normal_matrix * diagonal.cwiseInverse().asDiagonal());
+  if (!(determinacy.eigenvalues()[0] > kSmallestDeterminacy * determinacy.eigenvalues()[8]))
+    throw InvalidInput(
+        "many ellipsoids fit the readings alike: the device was turned about one axis only; turn it over all "
+        "sides");
   // Covariance of the unknowns at the optimum; normal_matrix is from the last step, close enough.
   const Matrix9d covariance =
       squares / std::max(1.0, kept - 9) * normal_matrix.completeOrthogonalDecomposition().pseudoInverse();
@@ -356,17 +396,7 @@ DeviceCalibration calibrate_device(const SensorLog& tumble, const EllipsoidFitOp
   }
   if (!cosines.empty()) device.inclination = std::asin(std::clamp(-median(std::move(cosines)), -1.0, 1.0));
 
-  Vector3d sum = Vector3d::Zero();
-  for (Eigen::Index i = 0; i < tumble.gyroscope.rows(); ++i) {
-    const Vector3d rate = tumble.gyroscope.row(i);
-    if (!rate.allFinite() || rate.norm() > kRest) continue;
-    sum += rate;
-    ++device.gyroscope_readings;
-  }
-  if (device.gyroscope_readings >= kFewestAtRest)
-    device.calibration.gyroscope_bias = sum / static_cast<double>(device.gyroscope_readings);
-  else
-    device.gyroscope_readings = 0;
+  find_gyroscope_bias(tumble.gyroscope, device);
 
   for (const auto& [sensor, report] :
        {std::pair<const char*, const EllipsoidFitReport&>{"accelerometer", device.accelerometer},

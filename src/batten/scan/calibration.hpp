@@ -30,7 +30,7 @@ struct EllipsoidFitReport {
   double radius = 0;        ///< mean length of the calibrated readings: g, or the strength of the field
   double rms_residual = 0;  ///< of the length of the calibrated readings, without outliers, divided by radius
   double rms_before = 0;    ///< the same of the raw readings about their mean length
-  double coverage = 0;      ///< share of 32 evenly spread directions that have a reading within 30 degrees
+  double coverage = 0;      ///< share of 32 evenly spread directions that have a reading within 20 degrees
   double uncertainty = 0;   ///< largest standard deviation of the offset in any direction, divided by radius
   int iterations = 0;
 };
@@ -65,9 +65,9 @@ struct DeviceCalibration {
   Calibration calibration;
   EllipsoidFitReport accelerometer;
   EllipsoidFitReport magnetometer;
-  double alignment = 0;         ///< radians, see align_magnetometer()
-  double inclination = 0;       ///< of the field in the recording, radians below the horizon
-  long gyroscope_readings = 0;  ///< readings at rest that the bias is the mean of; 0: no bias
+  double alignment = 0;        ///< radians, see align_magnetometer()
+  double inclination = 0;      ///< of the field in the recording, radians below the horizon
+  long gyroscope_windows = 0;  ///< of 20 readings at rest that the bias is the mean of; 0: no bias
   std::vector<std::string> warnings;
 };
 

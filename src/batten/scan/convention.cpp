@@ -42,6 +42,10 @@ ConventionReport tangent_convention(const Scan& scan) {
   if (scan.tangents != TangentConvention::Auto) {
     report.convention = scan.tangents;
     report.reason = "stated by the scan";
+    if (scan.tangents == TangentConvention::ToNext) {
+      const Closure closure = closure_of(scan);
+      if (closure.n_loops > 0) report.forward_misfit = closure.forward;
+    }
     return report;
   }
   // Root mean square of T·N at the reading and at the middle of the step that follows.
@@ -68,6 +72,7 @@ ConventionReport tangent_convention(const Scan& scan) {
     return report;
   }
   const Closure closure = closure_of(scan);
+  if (closure.n_loops > 0) report.forward_misfit = closure.forward;
   const std::string closing = concat("; the loops miss by ", closure.forward,
                                      " of a curve's length with tangents to the next reading, ",
                                      closure.at_sample, " with frames at the readings");

@@ -9,6 +9,8 @@ namespace batten {
 struct ConventionReport {
   TangentConvention convention = TangentConvention::AtSample;  ///< never Auto
   std::string reason;                                          ///< in words, with the figures it rests on
+  /// Misfit of the loops with tangents to the next reading over the length of a curve; −1 where not measured.
+  double forward_misfit = -1;
   bool uncertain = false;  ///< the two readings of the data fit about equally well
 };
 

@@ -28,6 +28,8 @@ using Eigen::Vector3d;
 
 // Two curves that cross at less than this make a poor node (radians).
 const double kFlatCrossing = radians(15);
+// Sections shorter than this are left out (diameters).
+constexpr double kShortestCurve = 0.02;
 
 // --- Splines -----------------------------------------------------------------------------------------------
 
@@ -623,23 +625,35 @@ TracedNetwork trace_mesh(const TriangleMesh& mesh, const MeshSectionOptions& opt
   }
   const Slicer slicer(mesh, normals, topology);
   size_t n_sections = 0;
-  for (const char letter : options.axes) {
+  const auto lay_plane = [&](char letter, double wanted) {
     const int axis = letter - 'x';
-    const double low = mesh.positions.col(axis).minCoeff();
-    const double high = mesh.positions.col(axis).maxCoeff();
-    for (int k = 1; k <= options.planes; ++k) {
-      const double wanted = low + (high - low) * k / (options.planes + 1);
-      const double offset = clear_offset(mesh.positions.col(axis), wanted, diameter);
-      std::vector<Polyline> sections = slicer.slice(axis, offset);
-      for (size_t part = 0; part < sections.size(); ++part) {
-        // A scrap shorter than this has no room for readings.
-        if (sections[part].length() < 0.02 * diameter || sections[part].points.size() < 3) continue;
-        sections[part].name = concat(letter, " = ", offset);
-        if (sections.size() > 1) sections[part].name += concat(" part ", part + 1);
-        lines.push_back(std::move(sections[part]));
-        ++n_sections;
-      }
+    const double offset = clear_offset(mesh.positions.col(axis), wanted, diameter);
+    std::vector<Polyline> sections = slicer.slice(axis, offset);
+    for (size_t part = 0; part < sections.size(); ++part) {
+      // A scrap shorter than this has no room for readings.
+      if (sections[part].length() < kShortestCurve * diameter || sections[part].points.size() < 3) continue;
+      sections[part].name = concat(letter, " = ", offset);
+      if (sections.size() > 1) sections[part].name += concat(" part ", part + 1);
+      lines.push_back(std::move(sections[part]));
+      ++n_sections;
     }
+  };
+  for (const char letter : options.axes) {
+    const double low = mesh.positions.col(letter - 'x').minCoeff();
+    const double high = mesh.positions.col(letter - 'x').maxCoeff();
+    for (int k = 1; k <= options.planes; ++k)
+      lay_plane(letter, low + (high - low) * k / (options.planes + 1));
+  }
+  // A border that no plane meets would be lost; it gets a plane of its own across its longest side.
+  const std::vector<std::vector<Station>> met = CrossingFinder(lines).stations;
+  for (size_t b = 0; b < loops.size(); ++b) {
+    if (!met[b].empty() || lines[b].length() < kShortestCurve * diameter) continue;
+    Eigen::AlignedBox3d box;
+    for (const Vector3d& point : lines[b].points) box.extend(point);
+    char longest = options.axes.front();
+    for (const char letter : options.axes)
+      if (box.sizes()[letter - 'x'] > box.sizes()[longest - 'x']) longest = letter;
+    lay_plane(longest, box.center()[longest - 'x']);
   }
   if (n_sections == 0) throw InvalidInput("no plane meets the mesh; lay planes across other axes");
   keep_connected(lines, traced.warnings);

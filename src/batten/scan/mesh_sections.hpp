@@ -20,7 +20,8 @@ struct MeshSectionOptions {
   std::optional<std::string> problem() const;
 };
 
-/// Curves on a triangle mesh: its sections with planes, and its border loops as boundary curves.
+/// Curves on a triangle mesh: its sections with planes, and its border loops as boundary curves. A border
+/// that no plane meets gets one of its own.
 ///
 /// A section of a mesh is a polyline with a kink at every edge, which no device would draw. So the curves are
 /// cubic splines through points of the polyline, the crossings among them; the truth is the spline. Its

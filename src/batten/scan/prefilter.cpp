@@ -262,6 +262,25 @@ Eigen::VectorXd shared_counts(const CleanCurve& curve, const Eigen::VectorXd& pa
   return counts;
 }
 
+/// More steps where the frame would turn by more than 60° within one: the regression needs less than 90°.
+int enough_steps(const Window& window, double from, double to, int steps, const PrefilterOptions& options) {
+  constexpr double kMostTurn = radians(60.0);
+  constexpr int kDoublings = 4;
+  for (int doubling = 0; doubling < kDoublings; ++doubling) {
+    const double h = (to - from) / steps;
+    bool enough = true;
+    Eigen::Matrix3d last = frame_at(window, from, options.sigma * h, options.local_linear);
+    for (int k = 1; k <= steps && enough; ++k) {
+      const Eigen::Matrix3d next = frame_at(window, from + k * h, options.sigma * h, options.local_linear);
+      enough = angle_between(last, next) <= kMostTurn;
+      last = next;
+    }
+    if (enough) break;
+    steps *= 2;
+  }
+  return steps;
+}
+
 /// A turn at the seam of a closed curve beyond which it is a corner. Noise and drift of good devices stay
 /// below; a corner that is this blunt is rounded within one step.
 constexpr double kSeamCorner = radians(25.0);
@@ -392,7 +411,8 @@ SampledScan resample(const Scan& scan, const std::vector<CleanCurve>& curves,
     for (size_t s = 0; s + 1 < cuts.size(); ++s) {
       const double from = clean.distances[cuts[s]], to = clean.distances[cuts[s + 1]];
       const int fewest = curve.closed && cuts.size() == 2 ? 3 : 1;  // a loop of fewer steps has no area
-      const int steps = std::max(fewest, static_cast<int>(std::lround((to - from) / options.step)));
+      int steps = std::max(fewest, static_cast<int>(std::lround((to - from) / options.step)));
+      steps = enough_steps(window, from, to, steps, options);
       for (int k = 1; k < steps; ++k) parameters.push_back(from + (to - from) * k / steps);
       parameters.push_back(to);
       sample_of_cut.push_back(static_cast<int>(parameters.size()) - 1);

@@ -121,6 +121,25 @@ SampledScan by_regression(const Scan& scan, const std::vector<CleanCurve>& clean
   return smooth;
 }
 
+/// Loops that close this well, relative to the length of a curve, were drawn or computed, not measured.
+constexpr double kExactClosure = 1e-5;
+
+/// The steps of a scan whose tangents point to the next reading: the chords themselves.
+std::vector<Points> chord_steps(const Scan& scan) {
+  std::vector<Points> steps;
+  for (const ScanCurve& curve : scan.curves) {
+    std::vector<Eigen::RowVector3d> chords;
+    for (Eigen::Index i = 0; i + 1 < curve.n_readings(); ++i) {
+      const double h = curve.distances[i + 1] - curve.distances[i];
+      if (h > 0) chords.push_back(h * curve.tangents.row(i).normalized());
+    }
+    Points rows(static_cast<Eigen::Index>(chords.size()), 3);
+    for (size_t k = 0; k < chords.size(); ++k) rows.row(static_cast<Eigen::Index>(k)) = chords[k];
+    steps.push_back(std::move(rows));
+  }
+  return steps;
+}
+
 /// Curves whose factors closure cannot tell: their deviation is still about what was assumed beforehand.
 void note_undetermined(const Scan& scan, ScanReport& report) {
   if (report.factor_deviations.size() < 2) return;
@@ -197,6 +216,8 @@ ScanNetwork network_from_scan(const Scan& given, const ScanOptions& options, con
     const Scan& scan = report.convention.convention == TangentConvention::ToNext ? converted : given;
     CleanOptions cleaning;
     cleaning.robust = options.robust;
+    // Tangents to the next reading come from drawn curves: every one is needed to follow the others.
+    if (report.convention.convention == TangentConvention::ToNext) cleaning = {0, false};
     clean = clean_readings(scan, cleaning, report.warnings);
     for (const CleanCurve& curve : clean) {
       report.outliers.push_back(curve.n_outliers);
@@ -224,7 +245,25 @@ ScanNetwork network_from_scan(const Scan& given, const ScanOptions& options, con
       options.scheme == IntegrationScheme::Thesis ? StepRule::Tangent : StepRule::ConstantRate;
   const ClosureForm form = options.scheme == IntegrationScheme::Thesis ? ClosureForm::SecondDifference
                                                                        : ClosureForm::FirstDifference;
-  {
+  // Drawn curves at their own samples: the chords close exactly, so there is no noise to take off them; only
+  // the normals at nodes are made to agree.
+  const bool exact_chords =
+      report.convention.convention == TangentConvention::ToNext && report.convention.forward_misfit >= 0 &&
+      report.convention.forward_misfit < kExactClosure && !options.step &&
+      options.weights == WeightChoice::Auto && options.lengths == LengthChoice::Measured;
+  if (exact_chords) {
+    const ScopedStage stage(report.times, "regression");
+    RegressionOptions regression;
+    regression.unit = report.size;
+    regression.xi = options.xi;
+    RegressionReport done;
+    result.samples = regress_frames(resample(scan, clean, prefilter), regression, &done, progress);
+    note_regression(result.samples, done, report);
+    report.factors.assign(result.samples.curves.size(), 1.0);
+    report.weights_reason =
+        concat("the tangents lead round the loops to within ", report.convention.forward_misfit,
+               " of a curve's length: taken as exact, nothing to smooth");
+  } else {
     const ScopedStage stage(report.times, "regression");
     const bool joint = options.weights == WeightChoice::Auto && options.energy == RegressionEnergy::Scaled;
     result.samples = joint ? jointly(scan, clean, prefilter, options, report, progress)
@@ -233,7 +272,8 @@ ScanNetwork network_from_scan(const Scan& given, const ScanOptions& options, con
   {
     const ScopedStage stage(report.times, "integration");
     progress.report("integration", 0);
-    const IntegrationResult placed = integrate_steps(result.samples, frame_steps(result.samples, rule), form);
+    const IntegrationResult placed = integrate_steps(
+        result.samples, exact_chords ? chord_steps(given) : frame_steps(result.samples, rule), form);
     report.closure_misfit = placed.closure_misfit;
     result.network = assemble(scan, result.samples, placed.positions);
   }

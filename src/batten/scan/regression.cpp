@@ -10,6 +10,7 @@
 
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
+#include "batten/core/units.hpp"
 #include "batten/linalg/sparse_cholesky.hpp"
 #include "batten/rotation/so3.hpp"
 
@@ -324,8 +325,9 @@ SampledScan regress_frames(const SampledScan& scan, const RegressionOptions& opt
       std::vector<double> residuals;
       for (const Terms::Data& d : terms.data)
         residuals.push_back(so3_log(X[d.frame].transpose() * d.A).norm());
-      // Median of the length of a normal 3-vector: 1.538 σ. The floor keeps exact data exact.
-      const double sigma = std::max(median_of(residuals) / 1.538, 1e-6);
+      // Median of the length of a normal 3-vector: 1.538 σ. The floor keeps exact data: their residuals are
+      // what the smoothing takes off, and none on straight pieces.
+      const double sigma = std::max(median_of(residuals) / 1.538, radians(0.2));
       const double factor = round == 1 ? 24 : round == 2 ? 12 : 6;
       scale = factor * sigma;
     }

@@ -73,12 +73,16 @@ class CurveBuilder {
     Eigen::Index kept = 0;
     Matrix3d turned = Matrix3d::Identity();  // by the gyroscope since the reading kept last
     bool turn_known = true;
+    double moving_time = 0;
     int pending_node = SensorLog::kNone;  // of a stay at a node without a complete reading so far
     int current_node = SensorLog::kNone;
     for (size_t k = 0; k < rows.size(); ++k) {
       const Eigen::Index row = rows[k];
       if (k > 0) turn_known = integrate_gyroscope(rows[k - 1], row, turned) && turn_known;
       const int node = log_.node[static_cast<size_t>(row)];
+      // While the device rests at a node, time passes but no distance.
+      if (k > 0 && (node == SensorLog::kNone || node != current_node))
+        moving_time += log_.time[row] - log_.time[rows[k - 1]];
       if (node != current_node) {
         if (pending_node != SensorLog::kNone) fail_node(source, pending_node);
         current_node = pending_node = node;
@@ -88,7 +92,7 @@ class CurveBuilder {
         continue;
       }
       const Matrix3d X = orientation(source, row);
-      curve.distances[kept] = use_times_ ? log_.time[row] - log_.time[rows.front()] : log_.distance[row];
+      curve.distances[kept] = use_times_ ? moving_time : log_.distance[row];
       curve.tangents.row(kept) = X.col(0);
       curve.normals.row(kept) = X.col(1);
       if (kept == 0 || !turn_known)

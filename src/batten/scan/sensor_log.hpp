@@ -70,7 +70,7 @@ struct LogScan {
   std::vector<Points> gyroscope_turns;
   double inclination = 0;  ///< used, radians
   bool inclination_estimated = false;
-  bool times_for_distances = false;  ///< the log has no distances: seconds stand in for them
+  bool times_for_distances = false;  ///< the log has no distances: seconds of motion stand in for them
   std::vector<std::string> warnings;
 };
 

@@ -20,9 +20,10 @@ namespace {
 using Eigen::RowVector3d;
 using Eigen::Vector3d;
 
-/// Plane coordinates are rounded to this grid, so that translated, scaled and renumbered input gives the very
-/// same points: ties of the Delaunay triangulation, frequent on symmetric networks, then break the same way.
-constexpr double kGrid = 0.7548776662466927e-9;
+/// Plane coordinates are in units of the mean edge of the patch, which no motion of the network changes, and
+/// rounded to this grid, so that moved, scaled and renumbered input gives the very same points: ties of the
+/// Delaunay triangulation, frequent on symmetric networks, then break the same way.
+constexpr double kGrid = 0.7548776662466927e-7;
 double on_grid(double x) {
   return std::round(x / kGrid) * kGrid;
 }
@@ -74,7 +75,7 @@ struct LaidOut {
   std::vector<int> vertex_of_corner;  ///< local numbers of PatchMesh; empty: corner i is network vertex i
 };
 
-LaidOut lay_out_in_plane(const ScaledNetwork& network, const NetworkCycle& cycle) {
+LaidOut lay_out_in_plane(const ScaledNetwork& network, const NetworkCycle& cycle, double unit) {
   RowVector3d centre = RowVector3d::Zero(), normal = RowVector3d::Zero();
   std::size_t count = 0;
   for (const NetworkCycle::Loop& loop : cycle.loops)
@@ -117,7 +118,7 @@ LaidOut lay_out_in_plane(const ScaledNetwork& network, const NetworkCycle& cycle
       const auto [place, is_new] = local.emplace(v, static_cast<int>(corners.size()));
       if (is_new) {
         const RowVector3d d = network.positions.row(v) - centre;
-        corners.emplace_back(on_grid(d.dot(x_axis)), on_grid(d.dot(y_axis)));
+        corners.emplace_back(on_grid(d.dot(x_axis) / unit), on_grid(d.dot(y_axis) / unit));
         laid_out.network_vertices.push_back(v);
       }
       loop.push_back(place->second);
@@ -151,7 +152,8 @@ double circumradius(const std::vector<double>& sides) {
 
 /// Maps of S fig. 4.11 that keep the lengths along the loop: to a circle, or to a polygon with one straight
 /// side per segment of the network.
-LaidOut lay_out_by_length(const ScaledNetwork& network, const NetworkCycle& cycle, bool polygon) {
+LaidOut lay_out_by_length(const ScaledNetwork& network, const NetworkCycle& cycle, bool polygon,
+                          double unit) {
   const std::vector<int>& vertices = cycle.loops.front().vertices;
   const std::size_t n = vertices.size();
   RowVector3d centre = RowVector3d::Zero();
@@ -161,7 +163,8 @@ LaidOut lay_out_by_length(const ScaledNetwork& network, const NetworkCycle& cycl
   for (std::size_t i = 0; i < n; ++i)
     length[i] = (network.positions.row(vertices[(start + i + 1) % n]) -
                  network.positions.row(vertices[(start + i) % n]))
-                    .norm();
+                    .norm() /
+                unit;
   LaidOut laid_out;
   std::vector<int> loop(n);
   std::iota(loop.begin(), loop.end(), 0);
@@ -218,7 +221,7 @@ LaidOut lay_out_by_length(const ScaledNetwork& network, const NetworkCycle& cycl
 
 /// Two loops that face each other, as the ends of a tube: cut open along the shortest line between them and
 /// laid out as a trapezoid, whose slanted sides are one line in space.
-LaidOut lay_out_strip(const ScaledNetwork& network, const NetworkCycle& cycle, double edge) {
+LaidOut lay_out_strip(const ScaledNetwork& network, const NetworkCycle& cycle, double edge, double unit) {
   const std::vector<int>& lower = cycle.loops[0].vertices;
   const std::vector<int>& upper = cycle.loops[1].vertices;
   const std::size_t na = lower.size(), nb = upper.size();
@@ -260,7 +263,7 @@ LaidOut lay_out_strip(const ScaledNetwork& network, const NetworkCycle& cycle, d
   LaidOut laid_out;
   std::vector<Eigen::RowVector2d> corners;
   const auto add = [&](double x, double y, int vertex) {
-    corners.emplace_back(on_grid(x), on_grid(y));
+    corners.emplace_back(on_grid(x / unit), on_grid(y / unit));
     laid_out.vertex_of_corner.push_back(vertex);
   };
   laid_out.network_vertices = lower;
@@ -288,9 +291,9 @@ LaidOut lay_out_strip(const ScaledNetwork& network, const NetworkCycle& cycle, d
   return laid_out;
 }
 
-bool fill_plane(const LaidOut& laid_out, double edge, PatchMesh& mesh, std::string& problem) {
+bool fill_plane(const LaidOut& laid_out, double edge, double unit, PatchMesh& mesh, std::string& problem) {
   TessellationOptions options;
-  options.max_area = 0.5 * edge * edge;
+  options.max_area = 0.5 * (edge / unit) * (edge / unit);
   const Tessellation tessellation = tessellate(laid_out.region, options);
   if (!tessellation.valid) {
     problem = tessellation.problem;
@@ -303,7 +306,7 @@ bool fill_plane(const LaidOut& laid_out, double edge, PatchMesh& mesh, std::stri
   mesh.triangles = tessellation.triangles;
   Points flat(tessellation.vertices.rows(), 3);
   flat << tessellation.vertices, Eigen::VectorXd::Zero(flat.rows());
-  mesh.lengths = edge_lengths(flat, mesh.triangles);
+  mesh.lengths = unit * edge_lengths(flat, mesh.triangles);
   if (laid_out.vertex_of_corner.empty()) return true;
   for (Eigen::Index f = 0; f < mesh.triangles.rows(); ++f) {
     for (int k = 0; k < 3; ++k) {
@@ -352,7 +355,8 @@ static bool is_tube(const ScaledNetwork& network, const NetworkCycle& cycle) {
 
 PatchMesh mesh_patch(const ScaledNetwork& network, const NetworkCycle& cycle, int patch, PatchMap map,
                      double edge, std::string& warning) {
-  if (!(edge > 0)) edge = kInnerEdge * mean_edge(network, cycle);
+  const double unit = mean_edge(network, cycle);
+  if (!(edge > 0)) edge = kInnerEdge * unit;
   for (const NetworkCycle::Loop& loop : cycle.loops)
     if (loop.vertices.size() < 3)
       throw InvalidInput(
@@ -362,13 +366,14 @@ PatchMesh mesh_patch(const ScaledNetwork& network, const NetworkCycle& cycle, in
   std::string problem;
   if (cycle.loops.size() == 2 && is_tube(network, cycle)) {
     mesh.layout = PatchLayout::Strip;
-    if (fill_plane(lay_out_strip(network, cycle, edge), edge, mesh, problem)) return mesh;
+    if (fill_plane(lay_out_strip(network, cycle, edge, unit), edge, unit, mesh, problem)) return mesh;
   } else if (map == PatchMap::Plane) {
     mesh.layout = PatchLayout::Plane;
-    if (fill_plane(lay_out_in_plane(network, cycle), edge, mesh, problem)) return mesh;
+    if (fill_plane(lay_out_in_plane(network, cycle, unit), edge, unit, mesh, problem)) return mesh;
   } else if (cycle.loops.size() == 1) {
     mesh.layout = map == PatchMap::Circle ? PatchLayout::Circle : PatchLayout::Polygon;
-    if (fill_plane(lay_out_by_length(network, cycle, map == PatchMap::Polygon), edge, mesh, problem))
+    if (fill_plane(lay_out_by_length(network, cycle, map == PatchMap::Polygon, unit), edge, unit, mesh,
+                   problem))
       return mesh;
   } else {
     problem = "it has several boundary loops";

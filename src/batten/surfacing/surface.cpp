@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
+#include <tuple>
 
 #include <Eigen/Dense>
 
@@ -41,6 +43,12 @@ void check(const CurveNetwork& network, const SurfaceOptions& options) {
   if (!network.has_normals())
     throw InvalidInput(
         "the network has no normals, which the surface is built from; give one unit normal per vertex");
+  network_topology(network);  // indices in range, curves long enough
+  for (std::size_t c = 0; c < network.curves.size(); ++c)
+    for (const int v : network.curves[c].vertices)
+      if (!network.positions.row(v).allFinite() || !network.normals.row(v).allFinite())
+        throw InvalidInput(concat("vertex ", v, " of ", curve_name(network, static_cast<int>(c)),
+                                  " has a coordinate that is not a number; repair or remove it"));
 }
 
 ScaledNetwork scaled(const CurveNetwork& network) {
@@ -161,11 +169,11 @@ struct SurfaceSolver::Implementation {
     progress.report("cycles", 0);
     {
       ScopedStage stage(result.times, "cycles");
+      scaled_network = scaled(network);
+      check_coincident(network, scaled_network);
       CycleReport report = find_cycles(network);
       cycles = std::move(report.cycles);
       result.warnings = std::move(report.warnings);
-      scaled_network = scaled(network);
-      check_coincident(network, scaled_network);
       if (const int crowded = calm_crowded_normals(network, scaled_network); crowded > 0)
         result.warnings.push_back(
             concat(crowded,

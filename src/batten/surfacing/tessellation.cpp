@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <queue>
@@ -54,6 +55,8 @@ class Mesher {
     const double s = std::sin(options.min_angle);
     worst_ratio2_ = 1 / (4 * s * s);
   }
+
+  const std::vector<int>& pinned() const { return pinned_; }
 
   Tessellation run() {
     Tessellation result;
@@ -195,7 +198,7 @@ class Mesher {
     // (corner, ccw, cw) runs counter-clockwise, so the region lies to the left of the chord turned back.
     const double scale = 0.9 * length / std::sqrt(chord.squared_length());
     const Point p(corner.x() + chord.y() * scale, corner.y() - chord.x() * scale);
-    try_insert(p, f, 0.4 * length);
+    if (try_insert(p, f, 0.4 * length)) pinned_.push_back(next_ - 1);
   }
 
   void refine() {
@@ -297,13 +300,16 @@ class Mesher {
   std::vector<Face> conflicts_;
   std::vector<Cdt::Edge> rim_;
   int next_ = 0;
+  std::vector<int> pinned_;  ///< vertices that hold blunt ears open; smoothing must leave them in place
 };
 
 /// Evens the triangles out: inner vertices move to the area-weighted mean of the circumcentres around them
 /// (optimal Delaunay triangulation, Chen 2004), where that turns no triangle over, and edges flip to
 /// Delaunay.
-void smooth(Tessellation& mesh, Eigen::Index n_corners, int rounds) {
+void smooth(Tessellation& mesh, Eigen::Index n_corners, const std::vector<int>& pinned, int rounds) {
   const Eigen::Index n = mesh.vertices.rows();
+  std::vector<char> held(static_cast<std::size_t>(n), 0);
+  for (const int v : pinned) held[v] = 1;
   const auto embedded = [&] {
     Points points(n, 3);
     points << mesh.vertices, Eigen::VectorXd::Zero(n);
@@ -324,6 +330,7 @@ void smooth(Tessellation& mesh, Eigen::Index n_corners, int rounds) {
       return (b - a).x() * (c - a).y() - (b - a).y() * (c - a).x();
     };
     for (Eigen::Index v = n_corners; v < n; ++v) {
+      if (held[v]) continue;
       Eigen::RowVector2d sum = Eigen::RowVector2d::Zero();
       double total = 0, least = std::numeric_limits<double>::infinity();
       for (int i = start[v]; i < start[v + 1]; ++i) {
@@ -357,8 +364,9 @@ void smooth(Tessellation& mesh, Eigen::Index n_corners, int rounds) {
 }  // namespace
 
 Tessellation tessellate(const PlaneRegion& region, const TessellationOptions& options) {
-  Tessellation result = Mesher(region, options).run();
-  if (result.valid) smooth(result, region.corners.rows(), options.smoothing_rounds);
+  Mesher mesher(region, options);
+  Tessellation result = mesher.run();
+  if (result.valid) smooth(result, region.corners.rows(), mesher.pinned(), options.smoothing_rounds);
   return result;
 }
 
