@@ -48,7 +48,7 @@ struct NoiseEstimate {
 
 /// The bi-umbrella (I − P)² X, P the mean of the neighbours, projected on smoothed vertex normals: smooth
 /// shapes hardly show in it, noise does by a factor known per vertex. The median over the vertices makes it
-/// blind to edges. Within 10 % of the truth for 0.1–0.3 mean edge lengths on the meshes of the tests; a clean
+/// blind to edges. Within 20 % of the truth for 0.1–0.3 mean edge lengths on the meshes of the tests; a clean
 /// scan of an organic shape gives 0.025, a coarse one up to 0.06.
 NoiseEstimate estimate_noise(const Points& positions, const Triangles& triangles);
 
