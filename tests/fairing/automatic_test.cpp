@@ -159,8 +159,8 @@ INSTANTIATE_TEST_SUITE_P(Fairing, FairAutomaticallyOnMeshes,
                                          Peers{"cubehole.off.gz", {0.35, 0.98, 1.76}},
                                          Peers{"rocker-arm.obj", {5.49, 7.02, 8.90}},
                                          Peers{"bunny_34835.off.gz", {4.57, 6.20, 6.56}}),
-                         [](const testing::TestParamInfo<Peers>& info) {
-                           const std::string file = info.param.file;
+                         [](const testing::TestParamInfo<Peers>& peers) {
+                           const std::string file = peers.param.file;
                            std::string name;
                            for (const char c : file.substr(0, file.find('.')))
                              if (std::isalnum(static_cast<unsigned char>(c)) != 0) name += c;

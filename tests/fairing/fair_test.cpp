@@ -47,9 +47,9 @@ TEST_P(FairByEveryMethod, BringsTheNormalsOfANoisyDomeNearerToTheTruth) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Fairing, FairByEveryMethod, testing::ValuesIn(fairing_method_names()),
-                         [](const testing::TestParamInfo<std::string>& info) {
+                         [](const testing::TestParamInfo<std::string>& method) {
                            std::string name;
-                           for (const char c : info.param) name += c == '-' ? '_' : c;
+                           for (const char c : method.param) name += c == '-' ? '_' : c;
                            return name;
                          });
 

@@ -115,7 +115,7 @@ FairingResult fair(const Points& positions, const Triangles& triangles, const Fa
       flow(bilaplacian_flow, FlowOptions{}, 10);
       break;
     case FairingMethod::Anisotropic:
-      flow(anisotropic_flow, AnisotropicFlowOptions{}, 10);
+      flow(anisotropic_flow, AnisotropicFlowOptions{}, 20);
       break;
     case FairingMethod::AnisotropicTensor:
       flow(anisotropic_tensor_flow, AnisotropicFlowOptions{}, 10);

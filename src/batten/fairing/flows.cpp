@@ -161,7 +161,7 @@ Points anisotropic_flow(const Points& positions, const Triangles& triangles,
   if (!(options.threshold >= 0))
     throw InvalidInput(concat("threshold must be at least 0, got ", options.threshold));
   const double edge = mean_edge_length(positions, triangles);
-  const double threshold = options.threshold > 0 ? options.threshold : 0.5 / std::max(edge, 1e-300);
+  const double threshold = options.threshold > 0 ? options.threshold : 1 / std::max(edge, 1e-300);
   return run_flow(positions, triangles, options, report, progress, [&](const Points& X) {
     LinearFlow flow;
     flow.A = fairing_detail::bounded_stiffness(X, triangles);
@@ -182,7 +182,7 @@ Points anisotropic_tensor_flow(const Points& positions, const Triangles& triangl
   if (!(options.threshold >= 0))
     throw InvalidInput(concat("threshold must be at least 0, got ", options.threshold));
   const double edge = mean_edge_length(positions, triangles);
-  const double threshold = options.threshold > 0 ? options.threshold : 0.5 / std::max(edge, 1e-300);
+  const double threshold = options.threshold > 0 ? options.threshold : 1 / std::max(edge, 1e-300);
   return run_flow(positions, triangles, options, report, progress, [&](const Points& X) {
     LinearFlow flow;
     flow.projection = vertex_normals(X, triangles);

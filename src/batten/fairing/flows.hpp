@@ -45,7 +45,7 @@ double edge_stopping(double curvature, double threshold);
 
 /// Options of the anisotropic flows.
 struct AnisotropicFlowOptions : FlowOptions {
-  /// ν in 1/length: curvatures well above it are kept; 0 takes 1/(2 ē), twice the radius of an edge length.
+  /// ν in 1/length: curvatures well above it are kept; 0 takes 1/ē.
   double threshold = 0;
 };
 
