@@ -52,7 +52,8 @@ struct AutomaticFairingReport {
 /// better at most places is taken, but for regions where the other is better beyond doubt. On meshes with a
 /// known truth the estimate agrees with the true error to a few per cent.
 ///
-/// A closed mesh keeps the volume of the input. Deterministic.
+/// A closed mesh keeps the volume of the input, and there are no more self-intersections than in the input
+/// (moves that make new ones are taken back by halves). Deterministic.
 /// @return the new positions.
 /// @throws InvalidInput on bad options, indices out of range, positions that are not finite, or a mesh that
 /// is not manifold and consistently oriented (naming the place); Cancelled.
