@@ -1,15 +1,12 @@
 // Whole surfacing against one factorisation and solve of the same system, and a re-solve against a
 // back-substitution, at three sizes. Build with -DBATTEN_BUILD_BENCH=ON; see docs/performance.md.
+#include "memory.hpp"
+#include "network/sample_networks.hpp"
+
 #include <map>
 #include <memory>
 
 #include <benchmark/benchmark.h>
-
-#ifdef __unix__
-#include <sys/resource.h>
-#endif
-
-#include "network/sample_networks.hpp"
 
 #include "batten/operators/laplacian.hpp"
 #include "batten/surfacing/surface.hpp"
@@ -36,11 +33,7 @@ SurfaceSolver& solver_of(long vertices) {
 
 void report(benchmark::State& state, const SurfaceResult& surface) {
   state.counters["vertices"] = static_cast<double>(surface.mesh.n_vertices());
-#ifdef __unix__
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  state.counters["peak_MB"] = static_cast<double>(usage.ru_maxrss) / 1024;
-#endif
+  state.counters["peak_MB"] = peak_megabytes();
 }
 
 void BM_WholeSurface(benchmark::State& state) {

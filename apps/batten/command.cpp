@@ -139,6 +139,18 @@ CLI::App* add_command(CLI::App& app, const std::string& name, const std::string&
   return command;
 }
 
+CLI::Validator parses(const std::string& form, std::function<void(const std::string&)> parse) {
+  return {[parse = std::move(parse)](std::string& text) {
+            try {
+              parse(text);
+            } catch (const InvalidInput& error) {
+              return std::string(error.what());
+            }
+            return std::string();
+          },
+          form};
+}
+
 int run(int argc, char** argv) {
   std::signal(SIGINT, [](int) { interrupted = true; });
   CLI::App app("Batten turns curves traced on an object into a fair surface.", "batten");

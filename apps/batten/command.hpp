@@ -48,6 +48,10 @@ using Work = std::function<Outcome(Context&)>;
 CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& description,
                       const std::string& example, Work work);
 
+/// A check of an option that runs while the command line is parsed: where `parse` throws InvalidInput, the
+/// value is bad usage and its sentence the answer. `form` stands for the value in --help.
+CLI::Validator parses(const std::string& form, std::function<void(const std::string&)> parse);
+
 /// Runs the program. Exit codes: 0 ok, 1 the work failed, 2 bad usage, 3 bad input.
 int run(int argc, char** argv);
 

@@ -318,7 +318,8 @@ Outcome run_info(const std::string& path) {
     ScopedStage stage(outcome.times, "read");
     model = read_model(path, outcome.warnings);
   }
-  for (const auto& [key, value] : describe(model).items()) outcome.figures[key] = value;
+  const Json counts = describe(model);
+  for (const auto& [key, value] : counts.items()) outcome.figures[key] = value;
   if (model.mesh)
     add_mesh(*model.mesh, outcome);
   else

@@ -38,21 +38,6 @@ void parse_size(const std::string& text, int& width, int& height) {
   height = static_cast<int>(h);
 }
 
-/// The sentence of a parser as the answer of an option's validator.
-template <typename Parse>
-CLI::Validator checked(const Parse& parse, const char* form) {
-  return CLI::Validator(
-      [parse](std::string& text) {
-        try {
-          parse(text);
-          return std::string();
-        } catch (const InvalidInput& error) {
-          return std::string(error.what());
-        }
-      },
-      form);
-}
-
 Outcome run_render(const RenderArguments& arguments, Context& context) {
   Outcome outcome;
   Model model, network, truth;
@@ -144,18 +129,16 @@ void add_render(CLI::App& app) {
           "PNG"));
   command
       ->add_option("--shading", arguments->shading, "One or several, joined by commas, for a sheet: " + names)
-      ->check(checked([](const std::string& text) { parse_shadings(text); }, "NAME[,NAME...]"));
+      ->check(parses("NAME[,NAME...]", [](const std::string& text) { parse_shadings(text); }));
   command->add_option("--size", arguments->size, "Width and height in pixels")
-      ->check(checked(
-          [](const std::string& text) {
-            int width = 0, height = 0;
-            parse_size(text, width, height);
-          },
-          "WIDTHxHEIGHT"));
+      ->check(parses("WIDTHxHEIGHT", [](const std::string& text) {
+        int width = 0, height = 0;
+        parse_size(text, width, height);
+      }));
   command
       ->add_option("--view", arguments->view,
                    "three-quarter, front, back, left, right, top, bottom, or AZIMUTH,ELEVATION in degrees")
-      ->check(checked([](const std::string& text) { parse_view(text); }, "VIEW"));
+      ->check(parses("VIEW", [](const std::string& text) { parse_view(text); }));
   command->add_option("--up", arguments->up, "Axis of the file that points up: x, y, z")
       ->check(CLI::IsMember({"x", "y", "z"}));
   command->add_option("--projection", arguments->projection, "perspective or parallel")

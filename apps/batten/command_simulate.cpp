@@ -37,19 +37,6 @@ struct SimulateArguments {
   bool distortion = true;
 };
 
-/// A check that runs while the command line is parsed, so that a bad value is bad usage.
-CLI::Validator parses(const std::string& form, void (*parse)(std::string_view)) {
-  return {[parse](std::string& text) {
-            try {
-              parse(text);
-            } catch (const InvalidInput& error) {
-              return std::string(error.what());
-            }
-            return std::string();
-          },
-          form};
-}
-
 CLI::Validator length_text() {
   return parses("LENGTH", [](std::string_view text) {
     if (!(parse_length(text).value > 0)) throw InvalidInput(concat("a length must be above 0, got ", text));

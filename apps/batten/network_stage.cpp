@@ -16,19 +16,6 @@ namespace batten::cli {
 
 namespace {
 
-/// A check that runs while the command line is parsed, so that a bad value is bad usage.
-CLI::Validator parses(const std::string& form, void (*parse)(const std::string&)) {
-  return {[parse](std::string& text) {
-            try {
-              parse(text);
-            } catch (const InvalidInput& error) {
-              return std::string(error.what());
-            }
-            return std::string();
-          },
-          form};
-}
-
 void parse_step(const std::string& text, ScanOptions& options) {
   if (text == "none") {
     options.step.reset();
@@ -93,8 +80,6 @@ ScanNetwork run_network_stage(const NetworkArguments& arguments, const Context& 
   if (writes) {
     const ScopedStage stage(outcome.times, "write");
     write_network(arguments.output, result.network);
-    for (const std::string& loss : losses_in_format(result.network, network_format(arguments.output)))
-      outcome.warnings.push_back(loss);
   }
 
   Json& f = outcome.figures;

@@ -20,11 +20,22 @@ std::string sheet(double z, double scale = 1) {
   return text + "3 0 1 2\n3 0 2 3\n3 0 3 5\n3 3 4 5\n";
 }
 
+/// A closed tetrahedron without symmetry, moved and scaled. (On a nearly flat sheet a registration by
+/// distances alone may shrink: its inside slides within the other sheet.)
+std::string tetrahedron(double shift, double scale = 1) {
+  std::string text = "OFF\n4 4 0\n";
+  const double corners[4][3] = {{0, 0, 0}, {3, 0, 0.4}, {0.5, 2, 0}, {1, 0.7, 1.5}};
+  for (const auto& p : corners)
+    text += std::to_string(scale * p[0] + shift) + " " + std::to_string(scale * p[1]) + " " +
+            std::to_string(scale * p[2]) + "\n";
+  return text + "3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n";
+}
+
 // Two copies half a unit apart: every distance is 0.5 where they face each other flat, never more.
 TEST(CompareCommand, MeasuresAKnownGapAndSaysItInJson) {
   write_file("a.off", sheet(0));
   write_file("b.off", sheet(0.5));
-  const Run run = run_batten("compare a.off b.off --json");
+  const auto run = run_batten("compare a.off b.off --json");
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const Json json = Json::parse(run.out);
   EXPECT_EQ(json["command"], "compare");
@@ -45,9 +56,9 @@ TEST(CompareCommand, MeasuresAKnownGapAndSaysItInJson) {
 }
 
 TEST(CompareCommand, RegistersAndWritesTheDistances) {
-  write_file("a.off", sheet(7, 2));
-  write_file("b.off", sheet(0));
-  const Run run = run_batten("compare a.off b.off --register similarity --distances out.ply --json");
+  write_file("a.off", tetrahedron(7, 2));
+  write_file("b.off", tetrahedron(0));
+  const auto run = run_batten("compare a.off b.off --register similarity --distances out.ply --json");
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const Json json = Json::parse(run.out);
   EXPECT_NEAR(json["registration"]["scale"].get<double>(), 0.5, 1e-5);
@@ -72,11 +83,11 @@ TEST(CompareCommand, TellsBadUsageFromBadInput) {
   EXPECT_EQ(run_batten("compare a.off a.off --register loosely").exit_code, 2);
   EXPECT_EQ(run_batten("compare a.off a.off --samples 0").exit_code, 2);
   EXPECT_EQ(run_batten("compare a.off a.off --distances out.obj").exit_code, 2);
-  const Run missing = run_batten("compare a.off nowhere.ply");
+  const auto missing = run_batten("compare a.off nowhere.ply");
   EXPECT_EQ(missing.exit_code, 3);
   EXPECT_NE(missing.err.find("nowhere.ply"), std::string::npos);
   EXPECT_EQ(run_batten("compare a.off flat.net").exit_code, 3);
-  const Run scan = run_batten("compare a.off scan.rawnet");
+  const auto scan = run_batten("compare a.off scan.rawnet");
   EXPECT_EQ(scan.exit_code, 3);
   EXPECT_NE(scan.err.find("batten network"), std::string::npos);
   EXPECT_EQ(run_batten("compare a.off a.off --distances no/such/folder/out.ply").exit_code, 3);

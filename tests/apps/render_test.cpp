@@ -14,7 +14,8 @@ bool is_png(const std::string& name) {
 
 TEST(RenderCommand, WritesOnePictureAndASheet) {
   write_file("t.off", kTetrahedron);
-  const Run run = run_batten("render t.off -o one.png --shading isophotes --size 120x90 --view 30,20 --json");
+  const auto run =
+      run_batten("render t.off -o one.png --shading isophotes --size 120x90 --view 30,20 --json");
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const nlohmann::json json = nlohmann::json::parse(run.out);
   EXPECT_EQ(json["width"], 120);
@@ -47,7 +48,7 @@ TEST(RenderCommand, TellsBadUsageFromBadInputAndLeavesNothingBehind) {
         "render t.off -o p.png --shading error", "render t.off -o p.png --shading porcupine",
         "render t.off -o p.png --network t.off", "render n.obj -o p.png --network n.obj",
         "render t.off -o p.png --normals given", "render t.off -o no/such/folder/p.png"}) {
-    const Run run = run_batten(input);
+    const auto run = run_batten(input);
     EXPECT_EQ(run.exit_code, 3) << input << run.err;
     EXPECT_EQ(run.err.rfind("batten: ", 0), 0U) << run.err;
   }

@@ -10,15 +10,21 @@
 
 namespace batten::test {
 
+namespace {
+
+struct ScratchFolder {
+  std::string path = std::filesystem::temp_directory_path() / ("batten_test_" + std::to_string(getpid()));
+  ScratchFolder() { std::filesystem::create_directories(path); }
+  ~ScratchFolder() { std::filesystem::remove_all(path); }
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+};
+
+}  // namespace
+
 const std::string& scratch() {
-  static const std::string folder = [] {
-    const std::string path =
-        std::filesystem::temp_directory_path() / ("batten_test_" + std::to_string(getpid()));
-    std::filesystem::create_directories(path);
-    std::atexit([] { std::filesystem::remove_all(scratch()); });
-    return path;
-  }();
-  return folder;
+  static const ScratchFolder folder;
+  return folder.path;
 }
 
 std::string read_file(const std::string& name) {

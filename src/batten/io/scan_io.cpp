@@ -294,7 +294,13 @@ class RawnetParser {
     for (long c = 0; c < count; ++c) {
       std::string file(expected_line(concat("the path of the file of curve ", c + 1, " of ", count)));
       if (file.front() != '/') file.insert(0, folder);
-      LineReader curve_lines(file);
+      LineReader curve_lines = [&] {
+        try {
+          return LineReader(file);
+        } catch (const FileError& error) {
+          in_.fail(concat("a first line of 0 announces a list of files, but ", error.what()));
+        }
+      }();
       std::swap(in_, curve_lines);
       try {
         parse_curve(c + 1, count);

@@ -22,6 +22,8 @@ namespace {
 /// Relative slip of the odometer that no factor explains, as a random walk: 1e-4 sizes over one size. It also
 /// takes up the error of the steps between samples, and keeps the system well conditioned.
 constexpr double kSlip = 1e-4;
+/// Precision of the mean log factor: that of a length known to 10⁻⁵.
+constexpr double kCommonScale = 1e10;
 /// No device is better (0.006°); below, the error of the steps between samples would pass for noise.
 constexpr double kLeastNoise = 1e-4;
 /// Rows whose weight does not depend on the noise model, and the groups whose weight does.
@@ -77,6 +79,9 @@ class JointModel {
     b_.setZero(n_samples_, 3);
     x_.setZero(vertices_.n_vertices, 3);
     e_.setZero(n_curves_);
+    length_share_.resize(n_curves_);
+    for (int c = 0; c < n_curves_; ++c) length_share_[c] = scan.curves[c].length();
+    length_share_ /= length_share_.sum();
     trust_.setOnes(n_samples_);
     start();
   }
@@ -115,6 +120,16 @@ class JointModel {
       gradient += weights[g] * group_gradient_[g];
       constant += weights[g] * group_constant_[g];
     }
+    // The scale all curves share is not observable, yet a network that shrinks as a whole closes ever better:
+    // the mean of the log factors, weighted by length, is held at 0.
+    const double common = length_share_.dot(e_);
+    size_t entry = 0;
+    for (int i = 0; i < n_curves_; ++i) {
+      gradient[scale_at_ + i] += kCommonScale * common * length_share_[i];
+      for (int j = 0; j <= i; ++j)
+        values[scale_slots_[entry++]] += kCommonScale * length_share_[i] * length_share_[j];
+    }
+    constant += kCommonScale * common * common;
     double log_determinants =
         3.0 * n_data_ * std::log(noise.white * noise.white) + n_curves_ * std::log(noise.scale * noise.scale);
     log_determinants -= 3 * log_determinant_of_shape(noise);
@@ -215,13 +230,15 @@ class JointModel {
 
   /// Posterior deviations of the factors about their mean. @pre evaluate() has just been called.
   Eigen::VectorXd factor_deviation() {
-    Eigen::MatrixXd right = Eigen::MatrixXd::Zero(n_unknowns_, n_curves_);
+    // One curve at a time: all at once would be a dense matrix of unknowns × curves.
+    Eigen::VectorXd deviations(n_curves_), right = Eigen::VectorXd::Zero(n_unknowns_);
     for (int c = 0; c < n_curves_; ++c) {
-      right.block(scale_at_, c, n_curves_, 1).setConstant(-1.0 / n_curves_);
-      right(scale_at_ + c, c) += 1;
+      right.segment(scale_at_, n_curves_).setConstant(-1.0 / n_curves_);
+      right[scale_at_ + c] += 1;
+      const Eigen::VectorXd solution = factor_.solve(right);
+      deviations[c] = std::sqrt(right.dot(solution));
     }
-    const Eigen::MatrixXd solution = factor_.solve(right);
-    return (right.array() * solution.array()).colwise().sum().sqrt().transpose();
+    return deviations;
   }
 
  private:
@@ -423,12 +440,16 @@ class JointModel {
         for (int b = 0; b <= a; ++b)
           for (int i = 0; i < row.width[a]; ++i)
             for (int j = 0; j < row.width[b]; ++j) touch(row.offset[a] + i, row.offset[b] + j);
+    for (int i = 0; i < n_curves_; ++i)
+      for (int j = 0; j < i; ++j) touch(scale_at_ + i, scale_at_ + j);
     // Samples without readings have no data row; their drift and frame still share the chain.
     for (const DriftStep& s : drift_steps_)
       for (int a = 0; a < 3; ++a) touch(drift_at_ + 3 * s.before + a, drift_at_ + 3 * s.after + a);
     H_.resize(n_unknowns_, n_unknowns_);
     H_.setFromTriplets(entries.begin(), entries.end());
     H_.makeCompressed();
+    for (int i = 0; i < n_curves_; ++i)
+      for (int j = 0; j <= i; ++j) scale_slots_.push_back(slot(scale_at_ + i, scale_at_ + j));
     for (int i = 0; i < 3 * n_samples_; ++i) drift_diagonal_.push_back(slot(drift_at_ + i, drift_at_ + i));
     for (const DriftStep& s : drift_steps_)
       for (int a = 0; a < 3; ++a)
@@ -479,12 +500,13 @@ class JointModel {
   std::vector<Eigen::Matrix3d> X_;
   Points b_, x_;  ///< drift per sample; positions in sizes
   Eigen::VectorXd e_, trust_;
+  Eigen::VectorXd length_share_;  ///< of each curve in the length of all
   NoiseModel noise_, start_noise_;
   double normal_deviation_ = 0;
 
   std::vector<Row> rows_;
   SparseMatrix H_;
-  std::vector<Eigen::Index> drift_diagonal_, drift_lower_;
+  std::vector<Eigen::Index> drift_diagonal_, drift_lower_, scale_slots_;
   std::array<Eigen::VectorXd, kGroups> group_values_, group_gradient_;
   std::array<double, kGroups> group_constant_{};
   Eigen::SimplicialLDLT<SparseMatrix, Eigen::Lower> factor_;
@@ -521,11 +543,17 @@ void search_noise(JointModel& model, const JointOptions& options, double first_s
     for (size_t i = 0; i < figures.size(); ++i) *figures[i] *= std::exp2(step * move[i]);
     return n;
   };
-  const auto in_range = [](const NoiseModel& n) {
-    return n.white >= kLeastNoise && n.white <= 1 && n.drift >= 0.1 * kLeastNoise && n.drift <= 1 &&
-           n.drift_length >= 0.01 && n.drift_length <= 20 && n.scale >= 1e-6 && n.scale <= 1 &&
-           n.bending >= 1e-4 && n.bending <= 1e8 && n.jerk >= 1e-3 && n.jerk <= 1e10 && n.stretch >= 1e-3 &&
-           n.stretch <= 1e6;
+  // No device drifts by tens of degrees, and no odometer is wrong by a tenth: a model that says so explains
+  // the shape as noise.
+  const double white =
+      std::max(options.reading_noise, kLeastNoise);  // from neighbours: right within a factor
+  const double most_drift = std::max(radians(3), 4 * white);
+  const double most_scale = std::max(0.02, options.scale_deviation);
+  const auto in_range = [&](const NoiseModel& n) {
+    return n.white >= std::max(kLeastNoise, white / 3) && n.white <= 3 * white &&
+           n.drift >= 0.1 * kLeastNoise && n.drift <= most_drift && n.drift_length >= 0.01 &&
+           n.drift_length <= 2 && n.scale >= 1e-6 && n.scale <= most_scale && n.bending >= 1e-4 &&
+           n.bending <= 1e8 && n.jerk >= 1e-3 && n.jerk <= 1e10 && n.stretch >= 1e-3 && n.stretch <= 1e6;
   };
   double best = model.evaluate(noise).evidence;
   if (first_step > last_step) {

@@ -15,6 +15,10 @@ namespace batten {
 
 namespace {
 
+/// Median of the length of a normally distributed vector with unit variance per axis: √ of the median of χ²₃.
+/// Lengths, not components, so that turning the world changes nothing.
+constexpr double kMedianOfNorm = 1.538172;
+
 double median(std::vector<double>& values) {
   if (values.empty()) return 0;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -141,8 +145,8 @@ CleanCurve merged(const ScanCurve& curve, const std::vector<Eigen::Matrix3d>& fr
     for (int j = i; j < end; ++j)
       if (!outlier[j]) group.push_back(frames[j]);
     const bool is_end = i == 0 || end == n;
-    bool is_node = false;
-    for (const int reading : curve.node_readings) is_node = is_node || (reading >= i && reading < end);
+    const auto node = std::lower_bound(curve.node_readings.begin(), curve.node_readings.end(), i);
+    const bool is_node = node != curve.node_readings.end() && *node < end;
     if (group.empty() && (is_end || is_node)) {
       // The place is needed although its reading is not: a weight of zero lets the neighbours fill it in.
       distances.push_back(curve.distances[i] - curve.distances[0]);
@@ -327,10 +331,9 @@ std::vector<CleanCurve> clean_readings(const Scan& scan, const CleanOptions& opt
           Eigen::Map<Eigen::VectorXd>(kept_distances.data(),
                                       static_cast<Eigen::Index>(kept_distances.size())),
           kept_frames);
-      for (const Eigen::Vector3d& r : residuals[c])
-        for (int a = 0; a < 3; ++a) sizes.push_back(std::abs(r[a]));
+      for (const Eigen::Vector3d& r : residuals[c]) sizes.push_back(r.norm());
     }
-    const double sigma = 1.4826 * median(sizes);  // of a normal distribution, from the median of |r|
+    const double sigma = median(sizes) / kMedianOfNorm;
     for (size_t c = 0; c < frames.size(); ++c) {
       const int n = static_cast<int>(residuals[c].size());
       for (int i = 0; i < n; ++i) {
@@ -367,10 +370,10 @@ double reading_noise(const std::vector<CleanCurve>& curves) {
       // Variance of r per axis in units of that of one reading.
       const double spread =
           1 / curve.counts[i] + (1 - u) * (1 - u) / curve.counts[i - 1] + u * u / curve.counts[i + 1];
-      for (int a = 0; a < 3; ++a) sizes.push_back(std::abs(r[a]) / std::sqrt(spread));
+      sizes.push_back(r.norm() / std::sqrt(spread));
     }
   }
-  return 1.4826 * median(sizes);
+  return median(sizes) / kMedianOfNorm;
 }
 
 SampledScan resample(const Scan& scan, const std::vector<CleanCurve>& curves,

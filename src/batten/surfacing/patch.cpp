@@ -48,13 +48,15 @@ double mean_edge(const ScaledNetwork& network, const NetworkCycle& cycle) {
 /// farthest from the centre, then the one with the most distant neighbours; ties (symmetric patches) by the
 /// given order.
 std::size_t intrinsic_start(const ScaledNetwork& network, const std::vector<int>& loop,
-                            const RowVector3d& centre) {
+                            const RowVector3d& centre, double unit) {
   const auto n = static_cast<std::ptrdiff_t>(loop.size());
   const auto key = [&](std::ptrdiff_t i, std::ptrdiff_t reach) {
     const auto distance = [&](std::ptrdiff_t j) {
       return (network.positions.row(loop[static_cast<std::size_t>(((j % n) + n) % n)]) - centre).norm();
     };
-    return std::llround((distance(i - reach) + distance(i + reach)) / 0.7548776662466927e-7);
+    // In units that a rotation keeps (the scale of the network is that of its box): near ties, frequent on
+    // symmetric networks with rounded coordinates, then stay as they were.
+    return std::llround((distance(i - reach) + distance(i + reach)) / (unit * kGrid));
   };
   std::ptrdiff_t best = 0;
   for (std::ptrdiff_t i = 1; i < n; ++i)
@@ -103,7 +105,7 @@ LaidOut lay_out_in_plane(const ScaledNetwork& network, const NetworkCycle& cycle
 
   LaidOut laid_out;
   std::map<int, int> local;
-  const std::size_t start = intrinsic_start(network, cycle.loops.front().vertices, centre);
+  const std::size_t start = intrinsic_start(network, cycle.loops.front().vertices, centre, unit);
   RowVector3d x_axis = network.positions.row(cycle.loops.front().vertices[start]) - centre;
   x_axis -= normal * normal.dot(x_axis);
   if (x_axis.norm() < 1e-9) x_axis = normal.unitOrthogonal();
@@ -158,7 +160,7 @@ LaidOut lay_out_by_length(const ScaledNetwork& network, const NetworkCycle& cycl
   const std::size_t n = vertices.size();
   RowVector3d centre = RowVector3d::Zero();
   for (const int v : vertices) centre += network.positions.row(v) / static_cast<double>(n);
-  const std::size_t start = intrinsic_start(network, vertices, centre);
+  const std::size_t start = intrinsic_start(network, vertices, centre, unit);
   std::vector<double> length(n);
   for (std::size_t i = 0; i < n; ++i)
     length[i] = (network.positions.row(vertices[(start + i + 1) % n]) -

@@ -426,16 +426,14 @@ struct SurfaceSolver::Implementation {
 
   Soundness judge(const Points& X, const Points& N) const {
     Soundness s;
-    const double least = std::sin(radians(0.5));
+    const double least2 = std::pow(std::sin(radians(0.5)), 2);
     for (Index f = 0; f < triangles.rows(); ++f) {
       const RowVector3d a = X.row(triangles(f, 0)), b = X.row(triangles(f, 1)), c = X.row(triangles(f, 2));
-      const double area2 = (b - a).cross(c - a).norm();
-      const double sides[3] = {(c - b).norm(), (a - c).norm(), (b - a).norm()};
-      const double longest = std::max({sides[0], sides[1], sides[2]});
-      const double shortest = std::min({sides[0], sides[1], sides[2]});
-      // The two longest sides enclose the smallest angle.
-      const double middle = sides[0] + sides[1] + sides[2] - longest - shortest;
-      if (!(area2 > least * longest * middle)) ++s.degenerate;
+      const double sides2[3] = {(c - b).squaredNorm(), (a - c).squaredNorm(), (b - a).squaredNorm()};
+      // The two longest sides enclose the smallest angle; the area is half its sine times both.
+      const double shortest2 = std::min({sides2[0], sides2[1], sides2[2]});
+      const double longer2 = shortest2 > 0 ? sides2[0] * sides2[1] * sides2[2] / shortest2 : 0;
+      if (!((b - a).cross(c - a).squaredNorm() > least2 * longer2)) ++s.degenerate;
       if (is_folded(X, N, f)) ++s.folded;
     }
     return s;
@@ -480,7 +478,8 @@ struct SurfaceSolver::Implementation {
                  "curves there, or normals that contradict its curves"));
     if (s.degenerate > 0)
       result.warnings.push_back(concat(s.degenerate, " triangles have an angle below half a degree"));
-    result.mesh.triangles = triangles;
+    if (result.mesh.triangles.rows() != triangles.rows() || result.mesh.triangles != triangles)
+      result.mesh.triangles = triangles;
     result.mesh.positions = (positions * scaled_network.diameter).rowwise() + scaled_network.centre;
     // Interpolation is exact, not up to the rounding of the scaling.
     if (!options.soft_constraints)
