@@ -167,6 +167,33 @@ INSTANTIATE_TEST_SUITE_P(Fairing, FairAutomaticallyOnMeshes,
                            return name;
                          });
 
+// Meshes as they come, whatever their triangles: scans, parts, coarse organic shapes. None has noise.
+TEST(FairAutomatically, LeavesMeshesAsTheyComeAlone) {
+  int found = 0;
+  for (const char* file : {"bunny.off", "cow.off", "camelhead.off", "casting.off", "cheburashka.off",
+                           "greek_helmet.obj", "lilium.obj", "snail.obj", "wingnut.obj"}) {
+    const std::string path = std::string(BATTEN_SHARED_DATA) + "/meshes/" + file;
+    if (!std::filesystem::exists(path)) continue;
+    ++found;
+    const TriangleMesh mesh = read_mesh(path);
+    EXPECT_EQ(fair_automatically(mesh.positions, mesh.triangles), mesh.positions) << file;
+  }
+  if (found == 0) GTEST_SKIP() << "the meshes are missing";
+}
+
+// Triangles of very different size: measured by moves instead of by turned normals, the sharp strategy looks
+// better here by chance (this seed) and leaves half as much again.
+TEST(FairAutomatically, KnowsAnOrganicShapeOfIrregularTrianglesUnderStrongNoise) {
+  const std::string path = std::string(BATTEN_SHARED_DATA) + "/meshes/rocker-arm.obj";
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is missing";
+  const TriangleMesh mesh = read_mesh(path);
+  const Points noisy = add_gaussian_noise(mesh.positions, mesh.triangles, 0.3, 103);
+  AutomaticFairingReport report;
+  const Points faired = fair_automatically(noisy, mesh.triangles, {}, &report);
+  EXPECT_EQ(report.strategy, "organic");
+  EXPECT_LT(normal_error_deg(faired, mesh.positions, mesh.triangles), 7.08);  // the best tuned peer
+}
+
 // A third of the vertices moved by half an edge; guided filtering reaches 3.84° on such a pair.
 TEST(FairAutomatically, RemovesImpulsiveNoise) {
   const std::string path = std::string(BATTEN_SHARED_DATA) + "/meshes/fandisk.obj";

@@ -41,7 +41,7 @@ struct Strategy {
 
 // Found on fandisk, cubehole, rocker arm and bunny with noise of 0.1, 0.2 and 0.3 mean edge lengths; see
 // docs/fair.md for the figures.
-constexpr Strategy kSharp{"sharp", 2.0, 0.35, 0.0, 0.05, 0.02, 1.3, 12, 2};
+constexpr Strategy kSharp{"sharp", 2.0, 0.35, 0.0, 0.05, 0.02, 1.2, 12, 2};
 constexpr Strategy kOrganic{"organic", 1.2, 0.45, 1.0, 0.15, 0.05, 1.0, 10, 0};
 constexpr double kMostFidelity = 2.0;
 constexpr double kLeastCotangent = 0.1, kMostCotangent = 3.0;
@@ -49,8 +49,12 @@ constexpr double kLeastCotangent = 0.1, kMostCotangent = 3.0;
 /// bring nothing; on edges that noise has bent sideways they straighten them.
 constexpr double kSidewaysFidelity = 0.2;
 constexpr int kMostNeighbours = 60;
-/// Standard deviations by which a region's risk must speak against the strategy of the whole mesh.
-constexpr double kDoubt = 4;
+/// Passes of ring means over the residual before it is judged: with fewer, chance looks like shape too often
+/// and lets the noise there through; with more, small shapes go unnoticed.
+constexpr int kResidualPasses = 8;
+/// Robust standard deviations, of a distribution with long tails, by which a region's risk must speak against
+/// the strategy of the whole mesh.
+constexpr double kDoubt = 8;
 
 /// e^(−x) for x ≥ 0, within 3 % up to x = 4 and zero from 16 on: (1 − x/16)^16, which the compiler can turn
 /// into vector instructions.
@@ -164,15 +168,28 @@ class Fairer {
     return count > 0 ? std::sqrt(sum / static_cast<double>(count)) : 0;
   }
 
-  /// The umbrella Laplacian, positive: Σ (x_v − x_u) over the neighbours u.
-  VectorXd umbrella(const VectorXd& field) const {
-    VectorXd sum(n_);
-    for (Eigen::Index v = 0; v < n_; ++v) {
-      sum[v] = neighbours_.size(v) * field[v];
-      for (int i = neighbours_.begin(v); i < neighbours_.end(v); ++i) sum[v] -= field[neighbours_.indices[i]];
+  /// Sets up tilt(): W with x · W x = Σ_f (turn of the normal of triangle f)² for small moves x along the
+  /// normals, that is Σ_k cot_k (x_i − x_j)² / 2A_f. Triangles smaller than the square of the deviation of
+  /// the noise are counted as that large: their normals point anywhere.
+  void measure_tilts(const Points& positions, double deviation) {
+    tilt_off_diagonal_.assign(neighbours_.indices.size(), 0.0);
+    tilt_diagonal_ = VectorXd::Zero(n_);
+    for (Eigen::Index f = 0; f < m_; ++f) {
+      const Eigen::RowVector3d a = positions.row(triangles_(f, 0)), b = positions.row(triangles_(f, 1)),
+                               c = positions.row(triangles_(f, 2));
+      const Eigen::RowVector3d weights =
+          bounded_cotangents(positions, f) / ((b - a).cross(c - a).norm() + deviation * deviation);
+      for (int k = 0; k < 3; ++k) {
+        tilt_diagonal_[triangles_(f, (k + 1) % 3)] += weights[k];
+        tilt_diagonal_[triangles_(f, (k + 2) % 3)] += weights[k];
+        tilt_off_diagonal_[slots_[6 * f + 2 * k]] -= weights[k];
+        tilt_off_diagonal_[slots_[6 * f + 2 * k + 1]] -= weights[k];
+      }
     }
-    return sum;
   }
+  /// W field; measure_tilts() comes first.
+  VectorXd tilt(const VectorXd& field) const { return product(tilt_diagonal_, tilt_off_diagonal_, field); }
+  const VectorXd& tilt_diagonal() const { return tilt_diagonal_; }
 
  private:
   int slot(int row, int column) const {
@@ -183,10 +200,27 @@ class Fairer {
 
   /// (I − P) field, with P the mean of the neighbours alone.
   VectorXd without_mean(const VectorXd& field) const {
-    VectorXd rest = umbrella(field);
-    for (Eigen::Index v = 0; v < n_; ++v)
-      if (neighbours_.size(v) > 0) rest[v] /= neighbours_.size(v);
+    VectorXd rest = VectorXd::Zero(n_);
+    for (Eigen::Index v = 0; v < n_; ++v) {
+      if (neighbours_.size(v) == 0) continue;
+      for (int i = neighbours_.begin(v); i < neighbours_.end(v); ++i)
+        rest[v] += field[v] - field[neighbours_.indices[i]];
+      rest[v] /= neighbours_.size(v);
+    }
     return rest;
+  }
+
+  /// A x for the symmetric matrix A with these entries, the off-diagonal ones in the order of the neighbours.
+  VectorXd product(const VectorXd& diagonal, const std::vector<double>& off_diagonal,
+                   const VectorXd& x) const {
+    VectorXd y(n_);
+    for (Eigen::Index v = 0; v < n_; ++v) {
+      double sum = diagonal[v] * x[v];
+      for (int i = neighbours_.begin(v); i < neighbours_.end(v); ++i)
+        sum += off_diagonal[i] * x[neighbours_.indices[i]];
+      y[v] = sum;
+    }
+    return y;
   }
 
   void filter_normals(const Points& positions, const IndexLists& balls, double spatial, double range) {
@@ -337,22 +371,12 @@ class Fairer {
   /// Conjugate gradients with the diagonal as preconditioner: the moves of the round before are a good start
   /// and the system is well conditioned, so that a few iterations do what a factorisation would.
   void solve(VectorXd& moves) const {
-    const auto product = [&](const VectorXd& x) {
-      VectorXd y(n_);
-      for (Eigen::Index v = 0; v < n_; ++v) {
-        double sum = diagonal_[v] * x[v];
-        for (int i = neighbours_.begin(v); i < neighbours_.end(v); ++i)
-          sum += off_diagonal_[i] * x[neighbours_.indices[i]];
-        y[v] = sum;
-      }
-      return y;
-    };
-    VectorXd residual = right_ - product(moves);
+    VectorXd residual = right_ - product(diagonal_, off_diagonal_, moves);
     VectorXd preconditioned = residual.cwiseQuotient(diagonal_), search = preconditioned;
     double energy = residual.dot(preconditioned);
     const double enough = 1e-8 * right_.dot(right_.cwiseQuotient(diagonal_));
     for (int i = 0; i < 100 && energy > enough; ++i) {
-      const VectorXd image = product(search);
+      const VectorXd image = product(diagonal_, off_diagonal_, search);
       const double step = energy / search.dot(image);
       moves += step * search;
       residual -= step * image;
@@ -368,7 +392,7 @@ class Fairer {
   void adapt(const VectorXd& moves, const Strategy& strategy, VectorXd& fidelity) const {
     VectorXd excess = ring_mean(moves).cwiseAbs2();
     for (Eigen::Index v = 0; v < n_; ++v) excess[v] *= 1 + neighbours_.size(v);  // 1 for white noise
-    excess = ring_mean(ring_mean(excess));
+    for (int pass = 0; pass < kResidualPasses; ++pass) excess = ring_mean(excess);
     for (Eigen::Index v = 0; v < n_; ++v)
       fidelity[v] =
           std::clamp(fidelity[v] * std::pow(std::clamp(excess[v] / strategy.target, 0.1, 10.0), 0.3),
@@ -385,8 +409,8 @@ class Fairer {
   std::vector<int> slots_;
   std::vector<float> features_;
   Points filtered_, directions_, edge_weights_;
-  std::vector<double> off_diagonal_;
-  VectorXd diagonal_, right_, gains_;
+  std::vector<double> off_diagonal_, tilt_off_diagonal_;
+  VectorXd diagonal_, right_, gains_, tilt_diagonal_;
 };
 
 void check_mesh(const Points& positions, const Triangles& triangles) {
@@ -398,6 +422,14 @@ void check_mesh(const Points& positions, const Triangles& triangles) {
       if (triangles(f, k) < 0 || triangles(f, k) >= positions.rows())
         throw InvalidInput(concat("triangle ", f, " names vertex ", triangles(f, k),
                                   ", but the mesh has the vertices 0 to ", positions.rows() - 1));
+}
+
+/// The part of an estimated noise level (in mean edge lengths) that is surely noise: none of it below 0.05,
+/// all of it above 0.08. Where even the better strategy leaves more than a fifth of the noise's own error,
+/// what was measured is partly the shape of a coarse mesh, and both bars rise with that risk.
+double significance_of(double level, double risk) {
+  const double ramp = std::clamp((level - 0.05 - 0.1 * std::max(0.0, risk - 0.2)) / 0.03, 0.0, 1.0);
+  return ramp * ramp * (3 - 2 * ramp);
 }
 
 double median(VectorXd values) {
@@ -471,7 +503,8 @@ Points fair_automatically(const Points& positions, const Triangles& triangles,
   }
   Fairer fairer(positions, triangles, options.keep_boundary, progress);
   if (!(told.significance > 0)) return positions;
-  double deviation = told.noise * edge;
+  const double estimated = told.noise;
+  double deviation = estimated * edge;
   const bool refine = options.noise < 0;
 
   // The probe of Stein's estimate: random signs along the normals, a tenth of the noise.
@@ -482,7 +515,6 @@ Points fair_automatically(const Points& positions, const Triangles& triangles,
   const double amplitude = 0.1 * deviation;
   const Points normals = vertex_normals(positions, triangles);
   const Points perturbed = positions + amplitude * (probe.asDiagonal() * normals);
-  const VectorXd rough_probe = fairer.umbrella(probe);
 
   const Strategy* strategies[2] = {&kSharp, &kOrganic};
   Fairer::Run runs[2];
@@ -491,19 +523,21 @@ Points fair_automatically(const Points& positions, const Triangles& triangles,
     const Strategy& strategy = *strategies[k];
     const int iterations = options.iterations > 0 ? options.iterations : strategy.iterations;
     runs[k] = fairer.run(positions, deviation, refine && k == 0, strategy, iterations, 0.5 * k, 0.25);
-    if (k == 0) deviation = runs[0].deviation;
+    if (k == 0) {
+      deviation = runs[0].deviation;
+      fairer.measure_tilts(positions, deviation);
+    }
     const Fairer::Run again =
         fairer.run(perturbed, deviation, false, strategy, iterations, 0.5 * k + 0.25, 0.25);
     const VectorXd removed =
         (runs[k].positions - positions).cwiseProduct(normals).rowwise().sum() / deviation;
     const VectorXd response =
         (again.positions - runs[k].positions).cwiseProduct(normals).rowwise().sum() / amplitude;
-    // ‖removed‖² + 2 trace(response), both measured by the umbrella, which weights errors as normals do.
-    risk[k] = removed.cwiseProduct(fairer.umbrella(removed)) + 2 * rough_probe.cwiseProduct(response);
+    // ‖removed‖² + 2 trace(response), in the norm that counts turned normals: what is said to be better is
+    // then better in the normals, also where triangles differ much in size.
+    risk[k] = removed.cwiseProduct(fairer.tilt(removed)) + 2 * fairer.tilt(probe).cwiseProduct(response);
     told.strategies.emplace_back(strategy.name);
-    double valences = 0;
-    for (Eigen::Index v = 0; v < n; ++v) valences += fairer.neighbours().size(v);
-    told.risks.push_back(risk[k].sum() / valences - 1);
+    told.risks.push_back(risk[k].sum() / fairer.tilt_diagonal().sum() - 1);
   }
 
   // A region of some hundred triangles tells the strategies apart only where they differ much; so the whole
@@ -522,9 +556,11 @@ Points fair_automatically(const Points& positions, const Triangles& triangles,
     other[v] = lead > doubt ? 1 : 0;
   }
   for (int pass = 0; pass < 3; ++pass) other = fairer.ring_mean(other);
+  told.noise = deviation / edge;
+  if (refine) told.significance = std::min(told.significance, significance_of(estimated, told.risks[winner]));
+  if (!(told.significance > 0)) return positions;
   told.exceptions = other.mean();
   told.strategy = strategies[winner]->name;
-  told.noise = deviation / edge;
   told.iterations = options.iterations > 0 ? options.iterations : strategies[winner]->iterations;
   Points moves =
       told.significance * (runs[winner].positions - positions +

@@ -109,22 +109,22 @@ FairingResult fair(const Points& positions, const Triangles& triangles, const Fa
       diffusion(false);
       break;
     case FairingMethod::MeanCurvature:
-      flow(mean_curvature_flow, FlowOptions{}, 10);
+      flow(mean_curvature_flow, FlowOptions{}, 3);
       break;
     case FairingMethod::BiLaplacian:
       flow(bilaplacian_flow, FlowOptions{}, 10);
       break;
     case FairingMethod::Anisotropic:
-      flow(anisotropic_flow, AnisotropicFlowOptions{}, 20);
+      flow(anisotropic_flow, AnisotropicFlowOptions{}, 3);
       break;
     case FairingMethod::AnisotropicTensor:
-      flow(anisotropic_tensor_flow, AnisotropicFlowOptions{}, 10);
+      flow(anisotropic_tensor_flow, AnisotropicFlowOptions{}, 3);
       break;
     case FairingMethod::Elastica:
-      flow(elastica_flow, FlowOptions{}, 10);
+      flow(elastica_flow, FlowOptions{}, 5);
       break;
     case FairingMethod::Nonlocal:
-      flow(nonlocal_flow, NonlocalFlowOptions{}, 10);
+      flow(nonlocal_flow, NonlocalFlowOptions{}, 3);
       break;
     case FairingMethod::TotalVariation:
       result.positions = fair_by_total_variation(positions, triangles, result.noise, iterations(200),

@@ -65,7 +65,8 @@ struct LinearFlow {
   VectorXd mass;
   Points velocity;  ///< −M⁻¹ A X at the start of the step, for the rules of the step
   bool is_fourth_order = false;
-  Points projection;  ///< unit vectors along which alone vertices move; 0 × 3: anywhere
+  double largest_laplacian = 0;  ///< max‖ΔX‖ for (1.45) where the velocity is not ΔX itself; 0: it is
+  Points projection;             ///< unit vectors along which alone vertices move; 0 × 3: anywhere
 };
 
 /// The loop shared by all linear flows: backward or forward Euler with the thesis's steps.
@@ -87,7 +88,7 @@ Points run_flow(const Points& positions, const Triangles& triangles, const FlowO
     double tau = options.time_step;
     if (tau == 0) {
       if (options.implicit) {
-        const double fastest = largest_row(flow.velocity);
+        const double fastest = std::max(largest_row(flow.velocity), flow.largest_laplacian);
         // Below rounding: nothing is left to smooth.
         if (!(fastest > 1e-12 * (flow.is_fourth_order ? 1 / (edge * edge * edge) : 1 / edge))) break;
         tau = edge / fastest;  // (1.45)
@@ -167,6 +168,7 @@ Points anisotropic_flow(const Points& positions, const Triangles& triangles,
     flow.A = fairing_detail::bounded_stiffness(X, triangles);
     flow.mass = fairing_detail::bounded_mass(X, triangles);
     const Points curvature = divided(flow.A * X, flow.mass);  // 2 H N
+    flow.largest_laplacian = largest_row(curvature);
     // ∂X/∂t = f ΔX is M f⁻¹ ∂X/∂t = −K X: the diffusivity becomes a larger mass, and the system stays
     // symmetric.
     for (Eigen::Index v = 0; v < X.rows(); ++v)
