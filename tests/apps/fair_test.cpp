@@ -28,7 +28,7 @@ std::string sheet(int n, double bump) {
 
 TEST(FairCommand, SmoothsAMeshAndSaysWhatItDid) {
   write_file("rough.off", sheet(12, 0.4));
-  const Run run = run_batten("fair rough.off -o smooth.ply --keep-boundary --json");
+  const auto run = run_batten("fair rough.off -o smooth.ply --keep-boundary --json");
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const Json json = Json::parse(run.out);
   EXPECT_EQ(json["command"], "fair");
@@ -46,7 +46,7 @@ TEST(FairCommand, TakesEveryMethod) {
   write_file("rough.off", sheet(6, 0.3));
   for (const char* method : {"auto", "nlsdf", "sdf", "mcf", "bilaplacian", "amcf", "amcf-tensor", "tv",
                              "taubin", "bilateral-normal", "guided-normal", "elastica", "nonlocal"}) {
-    const Run run = run_batten(
+    const auto run = run_batten(
         std::string("fair rough.off -o out.obj --noise 0.2 --iterations 2 --json --method ") + method);
     ASSERT_EQ(run.exit_code, 0) << method << run.err;
     EXPECT_EQ(Json::parse(run.out)["method"], method);
@@ -55,7 +55,7 @@ TEST(FairCommand, TakesEveryMethod) {
 
 TEST(FairCommand, LeavesACleanMeshAloneAndWarns) {
   write_file("flat.off", sheet(10, 0));
-  const Run run = run_batten("fair flat.off -o same.off --json");
+  const auto run = run_batten("fair flat.off -o same.off --json");
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const Json json = Json::parse(run.out);
   EXPECT_EQ(json["strategy"], "none");
@@ -74,7 +74,7 @@ TEST(FairCommand, TellsBadUsageFromBadInput) {
   EXPECT_FALSE(file_exists("a.off"));
   // One triangle inside out: refused with the place named.
   write_file("turned.off", "OFF\n4 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n3 0 3 2\n");
-  const Run run = run_batten("fair turned.off -o a.off");
+  const auto run = run_batten("fair turned.off -o a.off");
   EXPECT_EQ(run.exit_code, 3);
   EXPECT_NE(run.err.find("triangle"), std::string::npos) << run.err;
 }

@@ -35,16 +35,19 @@ struct Strategy {
   double fidelity;  ///< λ at the start, where cotangents are 1
   double least_fidelity;
   double target;  ///< ratio of the averaged residual to white noise above which λ grows
+  /// Cotangents in the refit are held within these bounds, so that slivers neither decouple nor rule. Tight
+  /// bounds make it less dependent on angles that strong noise has made up, wide ones on how the surface was
+  /// cut.
+  double least_cotangent, most_cotangent;
   int iterations;
   int free_iterations;  ///< further rounds in which vertices may leave their normals
 };
 
-// Found on fandisk, cubehole, rocker arm and bunny with noise of 0.1, 0.2 and 0.3 mean edge lengths; see
-// docs/fair.md for the figures.
-constexpr Strategy kSharp{"sharp", 2.0, 0.35, 0.0, 0.05, 0.02, 1.2, 12, 2};
-constexpr Strategy kOrganic{"organic", 1.2, 0.45, 1.0, 0.15, 0.05, 1.0, 10, 0};
+// Found on fandisk, cubehole, rocker arm and bunny with noise of 0.1, 0.2 and 0.3 mean edge lengths, the
+// sharp one checked on mechpart, wingnut and casting; see docs/fair.md for the figures.
+constexpr Strategy kSharp{"sharp", 2.0, 0.35, 0.5, 0.05, 0.02, 1.2, 0.3, 1.5, 12, 2};
+constexpr Strategy kOrganic{"organic", 1.2, 0.45, 1.0, 0.15, 0.05, 1.0, 0.1, 3.0, 10, 0};
 constexpr double kMostFidelity = 2.0;
-constexpr double kLeastCotangent = 0.1, kMostCotangent = 3.0;
 /// λ of the moves across the normals. Where the filtered normals agree with where the vertices lie such moves
 /// bring nothing; on edges that noise has bent sideways they straighten them.
 constexpr double kSidewaysFidelity = 0.2;
@@ -127,10 +130,10 @@ class Fairer {
       filter_normals(result.positions, balls, strategy.spatial * centroid_distance_, range);
       update_directions();
       if (round >= iterations) {
-        refit_freely(noisy, fidelity, result.positions);
+        refit_freely(noisy, strategy, fidelity, result.positions);
         continue;
       }
-      assemble(noisy, result.positions, fidelity);
+      assemble(noisy, result.positions, strategy, fidelity);
       solve(result.moves);
       result.positions = noisy + result.moves.asDiagonal() * directions_;
       if (round < 2) continue;
@@ -178,7 +181,7 @@ class Fairer {
       const Eigen::RowVector3d a = positions.row(triangles_(f, 0)), b = positions.row(triangles_(f, 1)),
                                c = positions.row(triangles_(f, 2));
       const Eigen::RowVector3d weights =
-          bounded_cotangents(positions, f) / ((b - a).cross(c - a).norm() + deviation * deviation);
+          bounded_cotangents(positions, f, kOrganic) / ((b - a).cross(c - a).norm() + deviation * deviation);
       for (int k = 0; k < 3; ++k) {
         tilt_diagonal_[triangles_(f, (k + 1) % 3)] += weights[k];
         tilt_diagonal_[triangles_(f, (k + 2) % 3)] += weights[k];
@@ -280,7 +283,8 @@ class Fairer {
   }
 
   /// The normal equations of the refit, A moves = right.
-  void assemble(const Points& noisy, const Points& current, const VectorXd& fidelity) {
+  void assemble(const Points& noisy, const Points& current, const Strategy& strategy,
+                const VectorXd& fidelity) {
     off_diagonal_.assign(neighbours_.indices.size(), 0.0);
     diagonal_ = fidelity;
     right_ = VectorXd::Zero(n_);
@@ -292,7 +296,7 @@ class Fairer {
         slope[k] = fixed_[v] ? 0 : normal.dot(directions_.row(v));
         height[k] = normal.dot(noisy.row(v));
       }
-      const Eigen::RowVector3d weights = bounded_cotangents(current, f);
+      const Eigen::RowVector3d weights = bounded_cotangents(current, f, strategy);
       for (int k = 0; k < 3; ++k) {
         const int a = (k + 1) % 3, b = (k + 2) % 3, i = triangles_(f, a), j = triangles_(f, b);
         const double weight = weights[k];
@@ -310,9 +314,10 @@ class Fairer {
 
   /// The refit with all three coordinates free: the same energy, and kSidewaysFidelity for moves across
   /// the directions.
-  void refit_freely(const Points& noisy, const VectorXd& fidelity, Points& positions) {
+  void refit_freely(const Points& noisy, const Strategy& strategy, const VectorXd& fidelity,
+                    Points& positions) {
     edge_weights_.resize(m_, 3);
-    for (Eigen::Index f = 0; f < m_; ++f) edge_weights_.row(f) = bounded_cotangents(positions, f);
+    for (Eigen::Index f = 0; f < m_; ++f) edge_weights_.row(f) = bounded_cotangents(positions, f, strategy);
     const auto slopes = [&](const Points& x) {
       Points y = Points::Zero(n_, 3);
       for (Eigen::Index f = 0; f < m_; ++f) {
@@ -357,15 +362,16 @@ class Fairer {
     positions = noisy + moves;
   }
 
-  /// Cotangents of the three angles, held in bounds so that slivers neither decouple nor rule.
-  Eigen::RowVector3d bounded_cotangents(const Points& positions, Eigen::Index f) const {
+  /// Cotangents of the three angles, within the bounds of the strategy.
+  Eigen::RowVector3d bounded_cotangents(const Points& positions, Eigen::Index f,
+                                        const Strategy& strategy) const {
     const Eigen::RowVector3d a = positions.row(triangles_(f, 0)), b = positions.row(triangles_(f, 1)),
                              c = positions.row(triangles_(f, 2));
     const double twice_area = (b - a).cross(c - a).norm();
-    if (!(twice_area > 0)) return Eigen::RowVector3d::Constant(kLeastCotangent);
+    if (!(twice_area > 0)) return Eigen::RowVector3d::Constant(strategy.least_cotangent);
     return (Eigen::RowVector3d((b - a).dot(c - a), (c - b).dot(a - b), (a - c).dot(b - c)) / twice_area)
-        .cwiseMax(kLeastCotangent)
-        .cwiseMin(kMostCotangent);
+        .cwiseMax(strategy.least_cotangent)
+        .cwiseMin(strategy.most_cotangent);
   }
 
   /// Conjugate gradients with the diagonal as preconditioner: the moves of the round before are a good start
