@@ -30,12 +30,18 @@ std::string noise_problem(const std::string& text) {
   return concat("--noise must be auto or a number of mean edge lengths, at least 0: ", text);
 }
 
-/// Mean angle between the normals of the triangles of two meshes of one connectivity, in degrees.
+/// Mean angle between the normals of the triangles of two meshes of one connectivity, in degrees; triangles
+/// without area have none and do not count.
 double mean_normal_change(const Points& before, const Points& after, const Triangles& triangles) {
   const Points a = face_normals(before, triangles), b = face_normals(after, triangles);
   double sum = 0;
-  for (Eigen::Index f = 0; f < a.rows(); ++f) sum += std::acos(std::clamp(a.row(f).dot(b.row(f)), -1.0, 1.0));
-  return a.rows() > 0 ? degrees(sum / static_cast<double>(a.rows())) : 0;
+  Eigen::Index count = 0;
+  for (Eigen::Index f = 0; f < a.rows(); ++f) {
+    if (!(a.row(f).squaredNorm() > 0 && b.row(f).squaredNorm() > 0)) continue;
+    sum += std::acos(std::clamp(a.row(f).dot(b.row(f)), -1.0, 1.0));
+    ++count;
+  }
+  return count > 0 ? degrees(sum / static_cast<double>(count)) : 0;
 }
 
 Outcome run_fair(const FairArguments& arguments, Context& context) {

@@ -203,8 +203,24 @@ TEST(FairAutomatically, RemovesImpulsiveNoise) {
        {ImpulseKind::AlongNormal, ImpulseKind::NormalGaussian, ImpulseKind::RandomDirection}) {
     const Points noisy = add_impulsive_noise(mesh.positions, mesh.triangles, 1.0 / 3, 0.5, kind, 6);
     const Points faired = fair_automatically(noisy, mesh.triangles);
-    EXPECT_LT(normal_error_deg(faired, mesh.positions, mesh.triangles), 3.84) << static_cast<int>(kind);
+    EXPECT_LT(normal_error_deg(faired, mesh.positions, mesh.triangles), 2.8) << static_cast<int>(kind);
   }
+}
+
+// Vertices that noise moves within a flat face bend nothing but fold triangles over, 180° each, which no
+// filter of normals can mend: the true normals are those of the clean cube.
+TEST(FairAutomatically, TurnsBackFoldedTriangles) {
+  const Mesh mesh = cube(20);
+  const Points noisy =
+      add_impulsive_noise(mesh.positions, mesh.triangles, 1.0 / 3, 0.6, ImpulseKind::RandomDirection, 4);
+  const auto share_folded = [&](const Points& points) {
+    const Points truth = face_normals(mesh.positions, mesh.triangles),
+                 normals = face_normals(points, mesh.triangles);
+    return (truth.cwiseProduct(normals).rowwise().sum().array() < 0).cast<double>().mean();
+  };
+  const Points faired = fair_automatically(noisy, mesh.triangles);
+  EXPECT_GT(share_folded(noisy), 0.008);
+  EXPECT_LT(share_folded(faired), 0.1 * share_folded(noisy));
 }
 
 }  // namespace

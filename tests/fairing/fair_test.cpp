@@ -67,6 +67,51 @@ TEST(Fair, TakesTheNoiseAndIterationsThatAreGiven) {
   EXPECT_EQ(fair(noisy, mesh.triangles, options).strategy, "none");
 }
 
+// Meshes in which lengths, areas or neighbourhoods vanish: every method ends, with numbers.
+TEST_P(FairByEveryMethod, SurvivesBadTrianglesAndLonelyVertices) {
+  std::vector<Mesh> meshes(4);
+  meshes[0] = fixtures::sheet(7, 7, 1, 1);
+  meshes[0].positions = add_gaussian_noise(meshes[0].positions, meshes[0].triangles, 0.2, 3);
+  meshes[0].positions.row(20) = meshes[0].positions.row(21);  // triangles without area
+  meshes[0].positions.conservativeResize(meshes[0].positions.rows() + 1, 3);
+  meshes[0].positions.bottomRows(1).setConstant(5);  // a vertex without triangles
+  meshes[1].positions = Points::Zero(5, 3);          // all in one place
+  meshes[1].triangles.resize(3, 3);
+  meshes[1].triangles << 0, 1, 2, 2, 1, 3, 2, 3, 4;
+  meshes[2].positions.resize(3, 3);  // one triangle
+  meshes[2].positions << 0, 0, 0, 1, 0, 0, 0, 1, 0;
+  meshes[2].triangles.resize(1, 3);
+  meshes[2].triangles << 0, 1, 2;
+  meshes[3].positions = Points::Ones(2, 3);  // no triangles
+  meshes[3].triangles.resize(0, 3);
+  FairingOptions options;
+  options.method = parse_fairing_method(GetParam());
+  for (const Mesh& mesh : meshes) {
+    const FairingResult result = fair(mesh.positions, mesh.triangles, options);
+    ASSERT_EQ(result.positions.rows(), mesh.positions.rows());
+    EXPECT_TRUE(result.positions.allFinite());
+  }
+  // What has no triangles stays where it is.
+  EXPECT_LT((fair(meshes[0].positions, meshes[0].triangles, options).positions.bottomRows(1) -
+             meshes[0].positions.bottomRows(1))
+                .norm(),
+            1e-9);
+}
+
+// In units a million times larger or smaller the result is the same but for rounding: no length of the method
+// is absolute. (Motions too small for rounding to matter on the single precision weights of auto.)
+TEST_P(FairByEveryMethod, DoesNotDependOnTheUnit) {
+  const Mesh mesh = fixtures::closed_sphere(6);
+  const Points noisy = add_gaussian_noise(mesh.positions, mesh.triangles, 0.2, 3);
+  FairingOptions options;
+  options.method = parse_fairing_method(GetParam());
+  const Points faired = fair(noisy, mesh.triangles, options).positions;
+  for (const double scale : {1e-6, 1e6}) {
+    const Points again = fair(scale * noisy, mesh.triangles, options).positions;
+    EXPECT_LT((again / scale - faired).cwiseAbs().maxCoeff(), 1e-3) << scale;
+  }
+}
+
 TEST(Fair, RefusesBadOptionsAndMeshes) {
   Mesh mesh = fixtures::cube(2);
   FairingOptions options;

@@ -75,8 +75,8 @@ TEST(WeightedLaplacian, HasTheKnownMultiplesOfTheLaplacianOnEquilateralTriangles
   }
 }
 
-// Cotangent and mean value weights know the angles: linear functions on an irregular plane stay. The umbrellas
-// pull vertices sideways (H 1.3), the scaled one less.
+// Cotangent and mean value weights know the angles: linear functions on an irregular plane stay. The
+// umbrellas pull vertices sideways (H 1.3), the scaled one less.
 TEST(WeightedLaplacian, TellsLinearFunctionsOnAPlaneByCotangentsAndMeanValues) {
   const TriangleMesh mesh = samples::square(9, 0.6);
   const double e = 1.0 / 8;
@@ -99,8 +99,7 @@ TEST(WeightedLaplacian, IsMassAndStiffnessDivided) {
   const TriangleMesh mesh = samples::torus(6);
   const MatrixXd K = cotangent_stiffness(mesh.positions, mesh.triangles);
   const VectorXd mass = lumped_mass(mesh.positions, mesh.triangles);
-  const MatrixXd L =
-      weighted_laplacian(mesh.positions, mesh.triangles, LaplacianWeights::Cotangent);
+  const MatrixXd L = weighted_laplacian(mesh.positions, mesh.triangles, LaplacianWeights::Cotangent);
   EXPECT_LT((mass.asDiagonal() * L + K).norm(), 1e-12);
   const MatrixXd S = uniform_stiffness(mesh.triangles, mesh.n_vertices());
   const MatrixXd U = weighted_laplacian(mesh.positions, mesh.triangles, LaplacianWeights::Umbrella);
@@ -120,7 +119,7 @@ TEST(WeightedLaplacian, ScalesWithTheUnitsOfItsWeights) {
 
 TEST(WeightedLaplacian, StaysFiniteOnBadTrianglesAndLonelyVertices) {
   TriangleMesh mesh = samples::square(5, 0.5);
-  mesh.positions.row(7) = mesh.positions.row(8);     // an edge without length
+  mesh.positions.row(7) = mesh.positions.row(8);  // an edge without length
   mesh.positions.conservativeResize(mesh.n_vertices() + 1, 3);
   mesh.positions.row(mesh.n_vertices() - 1).setZero();  // a vertex without triangles
   for (const LaplacianWeights weights : kAll) {
@@ -138,8 +137,7 @@ TEST(LaplacianPower, IsExactForTheFourthPowerOnEquilateralTriangles) {
   const TriangleMesh mesh = lattice(13, 0.2);
   const Points centred = mesh.positions.rowwise() - mesh.positions.colwise().mean();
   const VectorXd f = centred.rowwise().squaredNorm().cwiseAbs2();
-  const SparseMatrix L =
-      weighted_laplacian(mesh.positions, mesh.triangles, LaplacianWeights::Cotangent);
+  const SparseMatrix L = weighted_laplacian(mesh.positions, mesh.triangles, LaplacianWeights::Cotangent);
   const VectorXd second = laplacian_power(L, 2) * f, third = laplacian_power(L, 3) * f;
   const std::vector<char> two_in = inside(mesh, 2), three_in = inside(mesh, 3);
   int checked = 0;
@@ -157,8 +155,7 @@ TEST(LaplacianPower, IsExactForTheFourthPowerOnEquilateralTriangles) {
 
 TEST(LaplacianPower, IsRepeatedApplication) {
   const TriangleMesh mesh = samples::torus(6);
-  const SparseMatrix L =
-      weighted_laplacian(mesh.positions, mesh.triangles, LaplacianWeights::MeanValue);
+  const SparseMatrix L = weighted_laplacian(mesh.positions, mesh.triangles, LaplacianWeights::MeanValue);
   const VectorXd f = mesh.positions.col(0);
   EXPECT_LT((laplacian_power(L, 3) * f - L * (L * (L * f))).norm(), 1e-12);
   EXPECT_EQ(laplacian_power(L, 0) * f, f);

@@ -171,6 +171,58 @@ class Fairer {
     return count > 0 ? std::sqrt(sum / static_cast<double>(count)) : 0;
   }
 
+  /// Turns back triangles that noise along the surface has folded over: no move along the normals can. Their
+  /// vertices slide towards the middle of their neighbours, within the surface, where that unfolds more than
+  /// it folds. The sum of the area vectors around a triangle tells which way it should face, folds or not.
+  void unfold(Points& positions) const {
+    constexpr int kMostPasses = 10;
+    const auto area_vector = [&](Eigen::Index f) {
+      const Vector3d a = positions.row(triangles_(f, 0)), b = positions.row(triangles_(f, 1)),
+                     c = positions.row(triangles_(f, 2));
+      return Vector3d((b - a).cross(c - a));
+    };
+    for (int pass = 0; pass < kMostPasses; ++pass) {
+      Points around_vertex = Points::Zero(n_, 3), facing(m_, 3);
+      for (Eigen::Index f = 0; f < m_; ++f)
+        for (int k = 0; k < 3; ++k) around_vertex.row(triangles_(f, k)) += area_vector(f).transpose();
+      for (Eigen::Index f = 0; f < m_; ++f)
+        facing.row(f) = around_vertex.row(triangles_(f, 0)) + around_vertex.row(triangles_(f, 1)) +
+                        around_vertex.row(triangles_(f, 2));
+      const auto is_folded = [&](Eigen::Index f) { return facing.row(f).dot(area_vector(f)) < 0; };
+      const auto folds_at = [&](int v) {
+        int count = 0;
+        for (int i = around_.begin(v); i < around_.end(v); ++i)
+          count += is_folded(around_.indices[i]) ? 1 : 0;
+        return count;
+      };
+      bool is_better = false;
+      for (Eigen::Index f = 0; f < m_; ++f) {
+        for (int k = 0; k < 3 && is_folded(f); ++k) {
+          const int v = triangles_(f, k);
+          const Eigen::RowVector3d normal = around_vertex.row(v).normalized(), start = positions.row(v);
+          if (fixed_[v]) continue;
+          Eigen::RowVector3d slide = -start * neighbours_.size(v);
+          for (int i = neighbours_.begin(v); i < neighbours_.end(v); ++i)
+            slide += positions.row(neighbours_.indices[i]);
+          slide /= neighbours_.size(v);
+          slide -= slide.dot(normal) * normal;
+          const int before = folds_at(v);
+          int after = before;
+          for (const double part : {1.0, 0.5, 0.25}) {
+            positions.row(v) = start + part * slide;
+            after = folds_at(v);
+            if (after < before) break;
+          }
+          if (after < before)
+            is_better = true;
+          else
+            positions.row(v) = start;
+        }
+      }
+      if (!is_better) return;
+    }
+  }
+
   /// Sets up tilt(): W with x · W x = Σ_f (turn of the normal of triangle f)² for small moves x along the
   /// normals, that is Σ_k cot_k (x_i − x_j)² / 2A_f. Triangles smaller than the square of the deviation of
   /// the noise are counted as that large: their normals point anywhere.
@@ -571,6 +623,9 @@ Points fair_automatically(const Points& positions, const Triangles& triangles,
   Points moves =
       told.significance * (runs[winner].positions - positions +
                            other.asDiagonal() * (runs[1 - winner].positions - runs[winner].positions));
+  Points unfolded = positions + moves;
+  fairer.unfold(unfolded);
+  moves = unfolded - positions;
   if (fairer.is_closed()) keep_volume(positions, triangles, runs[winner].directions, moves);
   take_back_intersections(positions, triangles, moves);
   told.largest_move = moves.rowwise().norm().maxCoeff();

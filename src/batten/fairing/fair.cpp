@@ -22,6 +22,7 @@ Points fair_by_total_variation(const Points& positions, const Triangles& triangl
                                int iterations, bool keep_boundary, const Progress& progress) {
   // Normals jump by about 2 σ/ē per edge: a fit that takes them for noise weighs 1/(4 σ) per mean edge.
   const double edge = mean_edge_length(positions, triangles);
+  if (!(edge > 0)) return positions;
   TotalVariationOptions options;
   options.fit_weight = 1 / (edge * std::max(4 * noise, 1e-3));
   options.iterations = iterations;

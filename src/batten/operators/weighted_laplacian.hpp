@@ -21,8 +21,8 @@ enum class LaplacianWeights {
   MeanValue,
 };
 
-/// The discrete Laplacian L = D S, n × n, with the sign of Δ (a peak goes down) and rows that sum to zero. Rows
-/// of vertices without triangles are zero.
+/// The discrete Laplacian L = D S, n × n, with the sign of Δ (a peak goes down) and rows that sum to zero.
+/// Rows of vertices without triangles are zero.
 /// @throws InvalidInput on an index out of range, and where the mesh is not manifold and oriented.
 SparseMatrix weighted_laplacian(const Points& positions, const Triangles& triangles,
                                 LaplacianWeights weights);
