@@ -138,7 +138,7 @@ TEST_P(FairAutomaticallyOnMeshes, BeatsTheBestDefaultOfThePeersAtEveryLevelOfNoi
   if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is missing";
   const TriangleMesh mesh = read_mesh(path);
 #ifdef __SANITIZE_ADDRESS__
-  if (mesh.n_vertices() > 20000) GTEST_SKIP() << "too slow under the sanitizers";
+  if (mesh.n_vertices() > 8000) GTEST_SKIP() << "too slow under the sanitizers";
 #endif
   const Points clean_result = fair_automatically(mesh.positions, mesh.triangles);
   EXPECT_LE(normal_error_deg(clean_result, mesh.positions, mesh.triangles), 0.2);
