@@ -63,6 +63,18 @@ TEST(FairCommand, LeavesACleanMeshAloneAndWarns) {
   EXPECT_EQ(json["warnings"].size(), 1U);
 }
 
+TEST(FairCommand, SplitsPolygonsAndSaysSo) {
+  write_file("quads.off",
+             "OFF\n9 4 0\n0 0 0\n1 0 .1\n2 0 0\n0 1 .1\n1 1 -.2\n2 1 .1\n0 2 0\n1 2 .1\n2 2 0\n"
+             "4 0 1 4 3\n4 1 2 5 4\n4 3 4 7 6\n4 4 5 8 7\n");
+  const auto run = run_batten("fair quads.off -o out.off --noise 0.1 --keep-boundary --json");
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Json json = Json::parse(run.out);
+  EXPECT_EQ(json["faces"], 8);
+  ASSERT_EQ(json["warnings"].size(), 1U);
+  EXPECT_NE(json["warnings"][0].get<std::string>().find("split into triangles"), std::string::npos);
+}
+
 TEST(FairCommand, TellsBadUsageFromBadInput) {
   write_file("rough.off", sheet(4, 0.3));
   EXPECT_EQ(run_batten("fair rough.off -o a.off --method magic").exit_code, 2);

@@ -1,5 +1,6 @@
 #include "batten/operators/weighted_laplacian.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
