@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <functional>
 #include <numeric>
+#include <ostream>
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
@@ -365,6 +366,9 @@ struct Case {
   const char* file;
   double removed, dmax, dmean, drms, angle, lindstrom_turk;
 };
+void PrintTo(const Case& peer, std::ostream* out) {
+  *out << peer.file << " without " << 100 * peer.removed << " %";
+}
 class SimplifyAgainstPeers : public testing::TestWithParam<Case> {};
 
 TEST_P(SimplifyAgainstPeers, IsNearerThanMeshLabAndLindstromTurkWithAnglesAsGood) {
