@@ -31,6 +31,8 @@ void check_options(const DeformOptions& options) {
     throw InvalidInput(concat("curvature_term must lie in [0, 1], got ", options.curvature_term));
   if (!positive(options.detail_weight))
     throw InvalidInput(concat("detail_weight must be positive, got ", options.detail_weight));
+  if (!(options.membrane_length >= 0) || !std::isfinite(options.membrane_length))
+    throw InvalidInput(concat("membrane_length must be at least 0, got ", options.membrane_length));
   if (options.max_iterations < 1)
     throw InvalidInput(concat("max_iterations must be at least 1, got ", options.max_iterations));
   if (!positive(options.tolerance))
@@ -101,6 +103,7 @@ struct Deformer::Implementation {
   double bending = 0;         ///< factor of K M⁻¹ K in the displacement energy
   SparseMatrix second_order;  ///< the rest of it: K / ℓ², −2 c K_G or K; n × n, maybe empty
   double curvature_term = 0;
+  SparseMatrix membrane;  ///< GaussNewton: λ_2 K / ℓ², whose edges turn with the one-rings; maybe empty
 
   std::vector<int> unknowns;       ///< vertices to solve for; constrained ones too where they are soft
   std::vector<int> soft_unknowns;  ///< soft constraints: the unknown of each constrained vertex
@@ -170,6 +173,21 @@ struct Deformer::Implementation {
     return K * (inverse_mass.asDiagonal() * vectors).eval();
   }
 
+  /// T X with every edge of the rest shape turned by the mean of the rotations at its ends.
+  Points turned_edges(const SparseMatrix& T, const std::vector<Matrix3d>& rotations) const {
+    Points B(rest.rows(), 3);
+    for (Eigen::Index i = 0; i < rest.rows(); ++i) {
+      Vector3d sum = Vector3d::Zero();
+      for (SparseMatrix::InnerIterator entry(T, i); entry; ++entry) {
+        const Eigen::Index j = entry.row();
+        const Vector3d edge = rest.row(i) - rest.row(j);
+        sum -= 0.5 * entry.value() * ((rotations[i] + rotations[j]) * edge);
+      }
+      B.row(i) = sum;
+    }
+    return B;
+  }
+
   /// Right-hand side of the alternating method: the differentials of the rest shape, turned.
   Points turned_rest(const std::vector<Matrix3d>& rotations) const {
     Points B = Points::Zero(rest.rows(), 3);
@@ -179,30 +197,25 @@ struct Deformer::Implementation {
         turned.row(i) = rest_vectors.row(i) * rotations[i].transpose();
       B = bending * apply_bending(turned);
     }
-    if (has_second_order())
-      for (Eigen::Index i = 0; i < rest.rows(); ++i) {
-        Vector3d sum = Vector3d::Zero();
-        for (SparseMatrix::InnerIterator entry(second_order, i); entry; ++entry) {
-          const Eigen::Index j = entry.row();
-          if (j == i) continue;
-          const Vector3d edge = rest.row(i) - rest.row(j);
-          sum -= 0.5 * entry.value() * (rotations[i] * edge + rotations[j] * edge);
-        }
-        B.row(i) += sum;
-      }
+    if (has_second_order()) B += turned_edges(second_order, rotations);
     return B;
   }
 
-  /// Vectors that the face normals cannot carry (in the surface, on borders) turn with their one-ring.
-  void turn_vectors_not_followed(const Points& deformed, std::vector<Matrix3d>& rotations,
-                                 Points& vectors) const {
-    if (rotations.size() != not_followed.size())
-      rotations.assign(not_followed.size(), Matrix3d::Identity());
-    for (std::size_t k = 0; k < not_followed.size(); ++k) {
-      const int i = not_followed[k];
-      rotations[k] = nearest_rotation(one_ring_covariance(K, rest, deformed, i), rotations[k]);
-      vectors.row(i) = rest_vectors.row(i) * rotations[k].transpose();
+  /// The detail part of the right-hand side of (2.79): λ_2 K M⁻¹ δ̂, and the membrane's.
+  Points detail_forces(const Points& deformed, std::vector<Matrix3d>& rotations) const {
+    Points vectors;
+    dual->evaluate(deformed, vectors);
+    if (membrane.nonZeros() > 0) fit_local_rotations(K, rest, deformed, rotations);
+    if (rotations.empty()) rotations.assign(rest.rows(), Matrix3d::Identity());
+    for (const int i : not_followed) {
+      // Vectors that the face normals cannot carry (in the surface, on borders) turn with their one-ring.
+      if (membrane.nonZeros() == 0)
+        rotations[i] = nearest_rotation(one_ring_covariance(K, rest, deformed, i), rotations[i]);
+      vectors.row(i) = rest_vectors.row(i) * rotations[i].transpose();
     }
+    Points B = options.detail_weight * apply_bending(vectors);
+    if (membrane.nonZeros() > 0) B += turned_edges(membrane, rotations);
+    return B;
   }
 
   Points displacement_forces() const {
@@ -273,8 +286,14 @@ Deformer::Deformer(const Points& positions, const Triangles& triangles, std::vec
     const double length = options.bending_length * self.diameter;
     if (length > 0) self.second_order = self.K / (length * length);
   }
+  if (gauss_newton && options.membrane_length > 0 && self.diameter > 0) {
+    const double length = options.membrane_length * self.diameter;
+    self.membrane = self.K * (detail / (length * length));
+  }
   const auto factorize = [&] {
-    self.factorize(self.bending + detail, self.second_order, index_of_unknown, index_of_known);
+    SparseMatrix T = self.second_order;
+    if (self.membrane.nonZeros() > 0) T = T.nonZeros() > 0 ? SparseMatrix(T + self.membrane) : self.membrane;
+    self.factorize(self.bending + detail, T, index_of_unknown, index_of_known);
   };
   if (options.energy == DeformationEnergy::TotalCurvature && options.curvature_term > 0) {
     const Curvatures curvatures = discrete_curvatures(positions, triangles);
@@ -343,15 +362,11 @@ Deformer::Result Deformer::deform(const Points& targets, const Points* start,
   const bool gauss_newton = self.options.detail == DetailPreservation::GaussNewton;
   const Points constant = gauss_newton ? self.displacement_forces() : zero;
   std::vector<Matrix3d> rotations;
-  Points vectors;
   result.report.converged = false;
   while (!result.report.converged && result.report.iterations < self.options.max_iterations) {
     Points next;
     if (gauss_newton) {
-      self.dual->evaluate(result.positions, vectors);
-      self.turn_vectors_not_followed(result.positions, rotations, vectors);
-      next = self.solve(constant + self.options.detail_weight * self.apply_bending(vectors), targets,
-                        result.positions);
+      next = self.solve(constant + self.detail_forces(result.positions, rotations), targets, result.positions);
     } else {
       fit_local_rotations(self.K, self.rest, result.positions, rotations);
       next = self.solve(self.turned_rest(rotations), targets, result.positions);

@@ -44,6 +44,11 @@ struct DeformOptions {
   /// GaussNewton: λ_2 of (2.67) relative to the bending energy, positive. Small values let the displacement
   /// energy drag details towards their old direction.
   double detail_weight = 1000;
+  /// GaussNewton: length ℓ, as a fraction of the bounding-box diagonal, in the membrane term λ_2/ℓ² Σ w ‖e' − R e‖²
+  /// over edges e that turn with their one-rings; 0 leaves it out, as H does. Without it a twist gathers in the
+  /// middle between its handles (θ'' = 0 there only in the mean) and nothing resists shear; well below 0.1
+  /// a bent tube ovalises rather than stretch.
+  double membrane_length = 0.1;
   /// Most iterations of the detail preservation, at least 1.
   int max_iterations = 200;
   /// Stop when no vertex moves by more than this fraction of the bounding-box diagonal; positive. H: 1e-6.
