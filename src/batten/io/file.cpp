@@ -41,7 +41,8 @@ class FileSource : public ByteSource {
  public:
   explicit FileSource(const std::string& path) : path_(path) {
     std::error_code ignored;
-    if (std::filesystem::is_directory(path, ignored)) throw FileError(path, 0, "is a folder, expected a file");
+    if (std::filesystem::is_directory(path, ignored))
+      throw FileError(path, 0, "is a folder, expected a file");
     errno = 0;
     file_ = gzopen(path.c_str(), "rb");
     if (file_ == nullptr) throw FileError(path, 0, concat("cannot be opened: ", reason(errno)));
@@ -121,7 +122,8 @@ std::string file_extension(std::string_view path) {
   const auto last_extension = [](std::string_view name) {
     const size_t dot = name.rfind('.');
     const size_t slash = name.find_last_of("/\\");
-    if (dot == std::string_view::npos || (slash != std::string_view::npos && dot < slash)) return std::string();
+    if (dot == std::string_view::npos || (slash != std::string_view::npos && dot < slash))
+      return std::string();
     std::string extension(name.substr(dot + 1));
     for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
     return extension;
@@ -277,7 +279,8 @@ void OutputFile::commit() {
   const bool closed = std::fclose(out.file) == 0;
   out.file = nullptr;
   if (!written || !closed) out.fail(errno);
-  if (out.temporary != out.place && std::rename(out.temporary.c_str(), out.place.c_str()) != 0) out.fail(errno);
+  if (out.temporary != out.place && std::rename(out.temporary.c_str(), out.place.c_str()) != 0)
+    out.fail(errno);
 }
 
 void write_file(const std::string& path, std::string_view content) {

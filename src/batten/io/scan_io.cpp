@@ -10,6 +10,8 @@
 #include <string_view>
 #include <vector>
 
+#include <Eigen/Geometry>
+
 #include "batten/core/text.hpp"
 
 namespace batten {
@@ -21,8 +23,8 @@ using Reading = std::array<double, kNumbersPerReading>;
 
 // A direction shorter than this is none. Files round to four digits or more.
 constexpr double kSmallestDirection = 1e-3;
-// Below this sine of the angle between tangent and normal (0.6 degrees) there is no frame.
-constexpr double kSmallestSine = 1e-2;
+// As in check_scan(): below this sine of the angle between tangent and normal (3 degrees) there is no frame.
+constexpr double kSmallestSine = 0.05;
 
 /// Readings of one curve in blocks, so that a count that lies cannot exhaust the memory and growing does
 /// not copy what is there.
@@ -167,9 +169,9 @@ class RawnetParser {
   std::string_view expected_line(const std::string& what) {
     std::string_view line;
     if (!content_line(line))
-      throw FileError(in_.path(), in_.line_number() + 1,
-                      concat("the file ends here, expected ", what,
-                             "; the file is cut off or a count is too large"));
+      throw FileError(
+          in_.path(), in_.line_number() + 1,
+          concat("the file ends here, expected ", what, "; the file is cut off or a count is too large"));
     return line;
   }
 
@@ -247,8 +249,8 @@ class RawnetParser {
     for (int& position : curve.node_readings) {
       if (position < 1 || position > n_readings)
         throw FileError(in_.path(), line,
-                        concat("node position ", position, " of curve ", number, " is outside 1 … ", n_readings,
-                               ", the readings of this curve; positions count from 1"));
+                        concat("node position ", position, " of curve ", number, " is outside 1 … ",
+                               n_readings, ", the readings of this curve; positions count from 1"));
       if (position <= previous)
         throw FileError(in_.path(), line,
                         concat("node position ", position, " of curve ", number, " follows ", previous,
@@ -318,8 +320,8 @@ class RawnetParser {
     }
   }
 
-  /// The numbers of n nodes are 0 … n − 1 or 1 … n (S 5.2.1). A number beyond is a slip of the hand, and would
-  /// silently give another topology.
+  /// The numbers of n nodes are 0 … n − 1 or 1 … n (S 5.2.1). A number beyond is a slip of the hand, and
+  /// would silently give another topology.
   void check_node_numbers() const {
     std::set<int> ids;
     for (const NodeEntry& node : nodes_) ids.insert(node.id);

@@ -8,8 +8,8 @@ namespace batten {
 
 /// Reads a rawnet file (S code 5.6): orientations and distances along curves, as text.
 ///
-/// Per curve: boundary flag, closed flag, number of nodes, positions of the nodes among the readings (from 1),
-/// numbers of the nodes (from 0 or from 1, kept as they are), number of readings, and per reading a line
+/// Per curve: boundary flag, closed flag, number of nodes, positions of the nodes among the readings (from
+/// 1), numbers of the nodes (from 0 or from 1, kept as they are), number of readings, and per reading a line
 /// `distance tangent(3) normal(3)`. `#` starts a comment; blank lines are skipped. The comments `# unit: mm`,
 /// `# tangents: to-next`, `# tangents: at-sample` and (in a curve) `# name: …` are understood.
 /// A file that starts with 0 has the number of curves on the next line, then the path of one file per curve,

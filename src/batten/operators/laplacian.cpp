@@ -171,7 +171,7 @@ SquaredStiffness squared_stiffness(const SparseMatrix& K, const Eigen::VectorXd&
       pattern.clear();
       for (SparseMatrix::InnerIterator middle(K, v); middle; ++middle) {
         const double factor = d[middle.row()] * middle.value();
-        if (factor == 0) continue;
+        if (d[middle.row()] == 0) continue;
         for (SparseMatrix::InnerIterator far(K, middle.row()); far; ++far) {
           const int row = index_of_unknown[far.row()];
           if (row < 0 || (lower && row < column)) continue;

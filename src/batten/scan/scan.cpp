@@ -5,6 +5,8 @@
 #include <map>
 #include <numeric>
 
+#include <Eigen/Geometry>
+
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
 

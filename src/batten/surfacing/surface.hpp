@@ -1,4 +1,5 @@
 #pragma once
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -32,7 +33,8 @@ struct SurfaceOptions {
   int rebuilds = -1;
   /// Soft constraints (4.24): vertices of the network may move. Off: they are interpolated exactly.
   bool soft_constraints = false;
-  /// Weight of the soft constraints, scaled with the size so that it has no unit (ERRATA, (4.24)).
+  /// Weight of the soft constraints without a unit: with 1, a wave along a curve of 15 % of the diameter
+  /// keeps half its height; the length goes with the weight to the power −1/3 (docs/surface.md).
   double soft_weight = 1.0;
   /// Length of the edges inside patches, in the unit of the network; 0 takes the mean edge of the curves.
   double edge_length = 0;
@@ -49,7 +51,11 @@ struct SurfaceResult {
   std::vector<int> patch_of_triangle;  ///< the cycle that each triangle fills
   std::vector<char> on_network;        ///< per vertex: lies on a curve
   int n_cycles = 0;
-  int rebuilds = 0;                   ///< rebuilds done
+  int rebuilds = 0;                   ///< rebuilds done and kept
+  int patches_in_space = 0;           ///< patches that no plane map could lay out
+  int folded_triangles = 0;           ///< turned away from the propagated normals; 0 in a sound surface
+  int degenerate_triangles = 0;       ///< with an angle below half a degree
+  double last_move = 0;               ///< mean way of the vertices in the last rebuild, ÷ diameter
   std::vector<std::string> warnings;  ///< in words, with patch, curve and node
   StageTimes times;
 };
@@ -58,5 +64,28 @@ struct SurfaceResult {
 /// @throws InvalidInput, SolverFailure, Cancelled.
 SurfaceResult surface_network(const CurveNetwork& network, const SurfaceOptions& options = {},
                               const Progress& progress = {});
+
+/// The same, kept for further solves: build once, then move the curves or turn their normals many times.
+class SurfaceSolver {
+ public:
+  /// Does what surface_network() does and keeps the triangles, the metric and the factors.
+  SurfaceSolver(const CurveNetwork& network, const SurfaceOptions& options = {},
+                const Progress& progress = {});
+  ~SurfaceSolver();
+  SurfaceSolver(SurfaceSolver&&) noexcept;
+  SurfaceSolver& operator=(SurfaceSolver&&) noexcept;
+
+  const SurfaceResult& result() const;
+
+  /// Solves again for moved vertices and turned normals of the same network: two back-substitutions, no
+  /// factorisation, the metric of the surface that was built.
+  /// @param positions, normals n × 3 as in the network. @throws InvalidInput on other sizes or numbers that
+  /// are not finite; the result is then as before.
+  const SurfaceResult& move(const Points& positions, const Points& normals);
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
 
 }  // namespace batten

@@ -1,0 +1,35 @@
+#pragma once
+#include "command.hpp"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "batten/mesh/shape.hpp"
+#include "batten/mesh/triangle_mesh.hpp"
+#include "batten/network/curve_network.hpp"
+
+namespace batten::cli {
+
+/// What a file holds: a mesh or a curve network, never both.
+struct Model {
+  std::string path;
+  std::optional<TriangleMesh> mesh;
+  std::optional<CurveNetwork> network;
+
+  const Points& positions() const { return mesh ? mesh->positions : network->positions; }
+};
+
+/// Reads a mesh or a network. The extension decides; an .obj is a mesh when it has faces.
+/// @throws FileError as the readers; for a scan, with the advice to make a network of it first.
+Model read_model(const std::string& path, std::vector<std::string>& warnings);
+
+/// The triangles of a mesh, or the segments of a network.
+Shape shape_of(const TriangleMesh& mesh);
+Shape shape_of(const CurveNetwork& network);
+Shape shape_of(const Model& model);
+
+/// File, kind and counts, for the JSON object.
+Json describe(const Model& model);
+
+}  // namespace batten::cli

@@ -1,0 +1,55 @@
+#pragma once
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "batten/io/file.hpp"
+#include "batten/mesh/triangle_mesh.hpp"
+
+// What the readers of the mesh formats share. Private to the room.
+namespace batten::detail {
+
+/// A mesh as it stands in a file, before polygons are split and normals are checked.
+struct RawMesh {
+  std::vector<double> positions;  // 3 per vertex
+  std::vector<double> normals;    // 3 per vertex, or empty
+  PolygonMesh faces;              // its positions stay empty
+  std::map<std::string, Eigen::VectorXd> vertex_values;
+  std::vector<std::string> warnings;
+  long n_short_faces = 0;  // with one or two corners, left out
+};
+
+/// One corner list; shorter ones than three are counted and left out.
+void add_face(RawMesh& mesh, const std::vector<int>& corners);
+
+RawMesh parse_ply(std::string_view content, const std::string& path);
+RawMesh parse_obj_mesh(std::string content, const std::string& path);
+RawMesh parse_off(std::string content, const std::string& path);
+RawMesh parse_stl(std::string content, const std::string& path);
+
+/// Polygons split, normals of unit length, everything told in warnings.
+TriangleMesh finished_mesh(RawMesh&& raw, const std::string& path, std::vector<std::string>* warnings);
+
+/// True when the bytes can only be a binary STL: 80 bytes, a count, and exactly 50 bytes for each.
+bool is_binary_stl(std::string_view content);
+
+/// Tokens of a line one after the other, without copying.
+class Tokens {
+ public:
+  explicit Tokens(std::string_view line) : rest_(line) {}
+  /// False at the end of the line.
+  bool next(std::string_view& token);
+
+ private:
+  std::string_view rest_;
+};
+
+/// Reads a finite number out of `tokens`. @param what names it in the error ("x of vertex 7").
+double read_finite(Tokens& tokens, const LineReader& reader, std::string_view what);
+/// Reads an integer within [low, high].
+long read_integer(Tokens& tokens, const LineReader& reader, std::string_view what, long low, long high);
+
+/// The text up to a `#`.
+std::string_view without_comment(std::string_view line);
+
+}  // namespace batten::detail

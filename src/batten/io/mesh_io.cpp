@@ -1,0 +1,455 @@
+#include "batten/io/mesh_io.hpp"
+
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <unordered_map>
+#include <utility>
+
+#include <Eigen/Geometry>
+
+#include "batten/core/error.hpp"
+#include "batten/core/text.hpp"
+#include "batten/io/mesh_formats_detail.hpp"
+
+namespace batten {
+
+namespace detail {
+
+bool Tokens::next(std::string_view& token) {
+  const auto blank = [](char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; };
+  size_t begin = 0;
+  while (begin < rest_.size() && blank(rest_[begin])) ++begin;
+  size_t end = begin;
+  while (end < rest_.size() && !blank(rest_[end])) ++end;
+  token = rest_.substr(begin, end - begin);
+  rest_.remove_prefix(end);
+  return !token.empty();
+}
+
+/// Shortened and without control characters, fit to stand in a sentence.
+static std::string quoted(std::string_view token) {
+  std::string text = "'";
+  for (const char c : token.substr(0, 30)) text += static_cast<unsigned char>(c) < 32 ? '?' : c;
+  return text + (token.size() > 30 ? "…'" : "'");
+}
+
+double read_finite(Tokens& tokens, const LineReader& reader, std::string_view what) {
+  std::string_view token;
+  if (!tokens.next(token)) reader.fail(concat(what, " is missing; the line has too few numbers"));
+  double value = 0;
+  if (!parse_number(token, value)) reader.fail(concat(what, " is ", quoted(token), ", expected a number"));
+  if (!std::isfinite(value))
+    reader.fail(concat(what, " is ", quoted(token), ", which is not finite; remove it"));
+  return value;
+}
+
+long read_integer(Tokens& tokens, const LineReader& reader, std::string_view what, long low, long high) {
+  std::string_view token;
+  if (!tokens.next(token)) reader.fail(concat(what, " is missing"));
+  long value = 0;
+  if (!parse_integer(token, value)) reader.fail(concat(what, " is ", quoted(token), ", expected an integer"));
+  if (value < low || value > high) reader.fail(concat(what, " is ", value, ", expected ", low, " to ", high));
+  return value;
+}
+
+std::string_view without_comment(std::string_view line) {
+  return line.substr(0, line.find('#'));
+}
+
+void add_face(RawMesh& mesh, const std::vector<int>& corners) {
+  if (corners.size() < 3) {
+    ++mesh.n_short_faces;
+    return;
+  }
+  mesh.faces.corners.insert(mesh.faces.corners.end(), corners.begin(), corners.end());
+  mesh.faces.offsets.push_back(static_cast<int>(mesh.faces.corners.size()));
+}
+
+namespace {
+
+Points to_points(const std::vector<double>& values) {
+  return Eigen::Map<const Points>(values.data(), static_cast<Eigen::Index>(values.size() / 3), 3);
+}
+
+/// Normals of unit length. Rows that are already so keep their bits; rows without a direction are replaced by
+/// the area-weighted normal of their triangles.
+void finish_normals(TriangleMesh& mesh, std::vector<std::string>& warnings) {
+  constexpr double kUnit = 1e-12;  // of the squared length; normals written by us stay as they are
+  std::vector<Eigen::Index> missing;
+  for (Eigen::Index v = 0; v < mesh.normals.rows(); ++v) {
+    const double squared = mesh.normals.row(v).squaredNorm();
+    if (!(squared > 0) || !std::isfinite(squared))
+      missing.push_back(v);
+    else if (std::abs(squared - 1) > kUnit)
+      mesh.normals.row(v) /= std::sqrt(squared);
+  }
+  if (missing.empty()) return;
+  std::vector<int> slot(static_cast<size_t>(mesh.n_vertices()), -1);
+  for (size_t k = 0; k < missing.size(); ++k) slot[static_cast<size_t>(missing[k])] = static_cast<int>(k);
+  Points sums = Points::Zero(static_cast<Eigen::Index>(missing.size()), 3);
+  for (Eigen::Index f = 0; f < mesh.n_triangles(); ++f) {
+    const Eigen::RowVector3d a = mesh.positions.row(mesh.triangles(f, 0));
+    const Eigen::RowVector3d b = mesh.positions.row(mesh.triangles(f, 1));
+    const Eigen::RowVector3d c = mesh.positions.row(mesh.triangles(f, 2));
+    for (int k = 0; k < 3; ++k) {
+      const int s = slot[static_cast<size_t>(mesh.triangles(f, k))];
+      if (s >= 0) sums.row(s) += (b - a).cross(c - a);
+    }
+  }
+  for (size_t k = 0; k < missing.size(); ++k) {
+    const double length = sums.row(static_cast<Eigen::Index>(k)).norm();
+    if (length > 0)
+      mesh.normals.row(missing[k]) = sums.row(static_cast<Eigen::Index>(k)) / length;
+    else
+      mesh.normals.row(missing[k]) << 0, 0, 1;  // no triangle to ask: any direction will do
+  }
+  warnings.push_back(concat("the normals of ", missing.size(), " vertices (the first is vertex ", missing[0],
+                            ") have no direction and were taken from the faces"));
+}
+
+}  // namespace
+
+TriangleMesh finished_mesh(RawMesh&& raw, const std::string& path, std::vector<std::string>* warnings) {
+  std::vector<std::string> told = std::move(raw.warnings);
+  if (raw.positions.empty()) throw FileError(path, 0, "holds no vertices, expected a mesh");
+  const size_t n_faces = raw.faces.offsets.size() - 1;
+  bool all_triangles = true;
+  size_t n_polygons = 0;
+  for (size_t f = 0; f < n_faces; ++f)
+    if (raw.faces.offsets[f + 1] - raw.faces.offsets[f] != 3) {
+      all_triangles = false;
+      ++n_polygons;
+    }
+  TriangleMesh mesh;
+  if (all_triangles) {
+    mesh.positions = to_points(raw.positions);
+    mesh.triangles =
+        Eigen::Map<const Triangles>(raw.faces.corners.data(), static_cast<Eigen::Index>(n_faces), 3);
+  } else {
+    raw.faces.positions = to_points(raw.positions);
+    try {
+      mesh = triangulated(raw.faces);
+    } catch (const InvalidInput& problem) {
+      throw FileError(path, 0, problem.what());
+    }
+    told.push_back(concat(n_polygons, " of ", n_faces,
+                          " faces have more than three corners and were split into triangles"));
+  }
+  if (raw.n_short_faces > 0)
+    told.push_back(concat(raw.n_short_faces, " faces with fewer than three corners were left out"));
+  if (mesh.n_triangles() == 0) told.emplace_back("the file holds points without faces");
+  if (!raw.normals.empty()) {
+    mesh.normals = to_points(raw.normals);
+    finish_normals(mesh, told);
+  }
+  mesh.vertex_values = std::move(raw.vertex_values);
+  if (warnings != nullptr) warnings->insert(warnings->end(), told.begin(), told.end());
+  return mesh;
+}
+
+}  // namespace detail
+
+namespace {
+
+/// The format that the content shows beyond doubt; false when it could be several.
+bool sniffed_format(std::string_view content, MeshFormat& format) {
+  if (content.substr(0, 3) == "\xEF\xBB\xBF") content.remove_prefix(3);
+  const std::string_view head = content.substr(0, 4);
+  if (head == "ply\n" || head == "ply\r") {
+    format = MeshFormat::Ply;
+    return true;
+  }
+  if (detail::is_binary_stl(content)) {
+    format = MeshFormat::Stl;
+    return true;
+  }
+  detail::Tokens tokens(content.substr(0, 200));
+  std::string_view first;
+  tokens.next(first);
+  if (first == "solid") {
+    format = MeshFormat::Stl;
+    return true;
+  }
+  for (const std::string_view name : {"OFF", "COFF", "NOFF", "CNOFF", "NCOFF", "STOFF"})
+    if (first == name) {
+      format = MeshFormat::Off;
+      return true;
+    }
+  return false;
+}
+
+bool format_of_extension(std::string_view path, MeshFormat& format) {
+  const std::string extension = file_extension(path);
+  if (extension == "ply")
+    format = MeshFormat::Ply;
+  else if (extension == "obj")
+    format = MeshFormat::Obj;
+  else if (extension == "off")
+    format = MeshFormat::Off;
+  else if (extension == "stl")
+    format = MeshFormat::Stl;
+  else
+    return false;
+  return true;
+}
+
+const char* name_of(MeshFormat format) {
+  switch (format) {
+    case MeshFormat::Ply:
+      return "PLY";
+    case MeshFormat::Obj:
+      return "OBJ";
+    case MeshFormat::Off:
+      return "OFF";
+    case MeshFormat::Stl:
+      return "STL";
+  }
+  return "";
+}
+
+void append_row(std::string& text, const Points& rows, Eigen::Index row) {
+  for (int k = 0; k < 3; ++k) {
+    if (k > 0) text += ' ';
+    text += exact_decimal(rows(row, k));
+  }
+}
+
+void append_double(std::string& bytes, double value) {
+  std::uint64_t bits = 0;
+  std::memcpy(&bits, &value, sizeof bits);
+  for (int k = 0; k < 8; ++k) bytes += static_cast<char>(bits >> (8 * k) & 255);
+}
+
+void append_uint32(std::string& bytes, std::uint32_t bits) {
+  for (int k = 0; k < 4; ++k) bytes += static_cast<char>(bits >> (8 * k) & 255);
+}
+
+void append_float(std::string& bytes, float value) {
+  std::uint32_t bits = 0;
+  std::memcpy(&bits, &value, sizeof bits);
+  append_uint32(bytes, bits);
+}
+
+bool has_normals(const TriangleMesh& mesh) {
+  return mesh.normals.rows() > 0;
+}
+
+/// A property name is one token; anything else in it would break the header.
+std::string property_name(const std::string& name) {
+  std::string safe;
+  for (const char c : name) safe += static_cast<unsigned char>(c) > 32 ? c : '_';
+  return safe.empty() ? "value" : safe;
+}
+
+std::string ply_text(const TriangleMesh& mesh, bool ascii) {
+  std::string text = concat("ply\nformat ", ascii ? "ascii" : "binary_little_endian",
+                            " 1.0\ncomment Batten\nelement vertex ", mesh.n_vertices(),
+                            "\nproperty double x\nproperty double y\nproperty double z\n");
+  if (has_normals(mesh)) text += "property double nx\nproperty double ny\nproperty double nz\n";
+  for (const auto& [name, values] : mesh.vertex_values)
+    text += concat("property double ", property_name(name), "\n");
+  text +=
+      concat("element face ", mesh.n_triangles(), "\nproperty list uchar int vertex_indices\nend_header\n");
+  for (Eigen::Index v = 0; v < mesh.n_vertices(); ++v) {
+    if (ascii) {
+      append_row(text, mesh.positions, v);
+      if (has_normals(mesh)) append_row(text += ' ', mesh.normals, v);
+      for (const auto& [name, values] : mesh.vertex_values) (text += ' ') += exact_decimal(values(v));
+      text += '\n';
+    } else {
+      for (int k = 0; k < 3; ++k) append_double(text, mesh.positions(v, k));
+      if (has_normals(mesh))
+        for (int k = 0; k < 3; ++k) append_double(text, mesh.normals(v, k));
+      for (const auto& [name, values] : mesh.vertex_values) append_double(text, values(v));
+    }
+  }
+  for (Eigen::Index f = 0; f < mesh.n_triangles(); ++f) {
+    if (ascii) {
+      text += concat("3 ", mesh.triangles(f, 0), ' ', mesh.triangles(f, 1), ' ', mesh.triangles(f, 2), '\n');
+    } else {
+      text += '\3';
+      for (int k = 0; k < 3; ++k) append_uint32(text, static_cast<std::uint32_t>(mesh.triangles(f, k)));
+    }
+  }
+  return text;
+}
+
+std::string obj_text(const TriangleMesh& mesh) {
+  std::string text = "# Batten\n";
+  for (Eigen::Index v = 0; v < mesh.n_vertices(); ++v) {
+    append_row(text += "v ", mesh.positions, v);
+    text += '\n';
+  }
+  for (Eigen::Index v = 0; v < mesh.normals.rows(); ++v) {
+    append_row(text += "vn ", mesh.normals, v);
+    text += '\n';
+  }
+  for (Eigen::Index f = 0; f < mesh.n_triangles(); ++f) {
+    text += 'f';
+    for (int k = 0; k < 3; ++k) {
+      const std::string corner = std::to_string(mesh.triangles(f, k) + 1);
+      (text += ' ') += corner;
+      if (has_normals(mesh)) (text += "//") += corner;
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+std::string off_text(const TriangleMesh& mesh) {
+  std::string text =
+      concat(has_normals(mesh) ? "NOFF\n" : "OFF\n", mesh.n_vertices(), ' ', mesh.n_triangles(), " 0\n");
+  for (Eigen::Index v = 0; v < mesh.n_vertices(); ++v) {
+    append_row(text, mesh.positions, v);
+    if (has_normals(mesh)) append_row(text += ' ', mesh.normals, v);
+    text += '\n';
+  }
+  for (Eigen::Index f = 0; f < mesh.n_triangles(); ++f)
+    text += concat("3 ", mesh.triangles(f, 0), ' ', mesh.triangles(f, 1), ' ', mesh.triangles(f, 2), '\n');
+  return text;
+}
+
+Eigen::RowVector3d unit_normal(const TriangleMesh& mesh, Eigen::Index f) {
+  const Eigen::RowVector3d a = mesh.positions.row(mesh.triangles(f, 0));
+  const Eigen::RowVector3d n =
+      (mesh.positions.row(mesh.triangles(f, 1)) - a).cross(mesh.positions.row(mesh.triangles(f, 2)) - a);
+  const double length = n.norm();
+  return length > 0 ? Eigen::RowVector3d(n / length) : Eigen::RowVector3d::Zero();
+}
+
+std::string stl_text(const TriangleMesh& mesh, bool ascii) {
+  std::string text;
+  if (ascii) {
+    text = "solid batten\n";
+    for (Eigen::Index f = 0; f < mesh.n_triangles(); ++f) {
+      const Points n = unit_normal(mesh, f);
+      append_row(text += "facet normal ", n, 0);
+      text += "\n outer loop\n";
+      for (int k = 0; k < 3; ++k) {
+        append_row(text += "  vertex ", mesh.positions, mesh.triangles(f, k));
+        text += '\n';
+      }
+      text += " endloop\nendfacet\n";
+    }
+    return text + "endsolid batten\n";
+  }
+  text.assign(80, ' ');
+  text.replace(0, 6, "Batten");
+  append_uint32(text, static_cast<std::uint32_t>(mesh.n_triangles()));
+  for (Eigen::Index f = 0; f < mesh.n_triangles(); ++f) {
+    const Eigen::RowVector3d n = unit_normal(mesh, f);
+    for (int k = 0; k < 3; ++k) append_float(text, static_cast<float>(n(k)));
+    for (int k = 0; k < 3; ++k)
+      for (int axis = 0; axis < 3; ++axis)
+        append_float(text, static_cast<float>(mesh.positions(mesh.triangles(f, k), axis)));
+    text += std::string(2, '\0');
+  }
+  return text;
+}
+
+void check_arrays(const TriangleMesh& mesh) {
+  const Eigen::Index n = mesh.n_vertices();
+  for (Eigen::Index f = 0; f < mesh.n_triangles(); ++f)
+    for (int k = 0; k < 3; ++k)
+      if (mesh.triangles(f, k) < 0 || mesh.triangles(f, k) >= n)
+        throw InvalidInput(
+            concat("triangle ", f, " names vertex ", mesh.triangles(f, k), ", but there are ", n));
+  if (mesh.normals.rows() != 0 && mesh.normals.rows() != n)
+    throw InvalidInput(concat("the mesh has ", mesh.normals.rows(), " normals for ", n, " vertices"));
+  for (const auto& [name, values] : mesh.vertex_values)
+    if (values.size() != n)
+      throw InvalidInput(
+          concat("the mesh has ", values.size(), " values of '", name, "' for ", n, " vertices"));
+}
+
+}  // namespace
+
+MeshFormat mesh_format(std::string_view path) {
+  MeshFormat format = MeshFormat::Ply;
+  if (!format_of_extension(path, format))
+    throw FileError(path, 0, "is no mesh file by its extension; use .ply, .obj, .off or .stl");
+  return format;
+}
+
+TriangleMesh parse_mesh(std::string content, const std::string& path, std::vector<std::string>* warnings) {
+  if (content.empty()) throw FileError(path, 0, "is empty, expected a mesh");
+  MeshFormat by_content = MeshFormat::Ply, format = MeshFormat::Ply;
+  const bool shown = sniffed_format(content, by_content);
+  const bool named = format_of_extension(path, format);
+  if (!shown && !named)
+    throw FileError(path, 0, "is not recognised as a mesh; use a .ply, .obj, .off or .stl file");
+  std::vector<std::string> told;
+  if (shown && (!named || by_content != format)) {
+    if (named)
+      told.push_back(
+          concat(path, " is a ", name_of(by_content), " file by its content and was read as such"));
+    format = by_content;
+  }
+  detail::RawMesh raw;
+  switch (format) {
+    case MeshFormat::Ply:
+      raw = detail::parse_ply(content, path);
+      break;
+    case MeshFormat::Obj:
+      raw = detail::parse_obj_mesh(std::move(content), path);
+      break;
+    case MeshFormat::Off:
+      raw = detail::parse_off(std::move(content), path);
+      break;
+    case MeshFormat::Stl:
+      raw = detail::parse_stl(std::move(content), path);
+      break;
+  }
+  raw.warnings.insert(raw.warnings.begin(), told.begin(), told.end());
+  return detail::finished_mesh(std::move(raw), path, warnings);
+}
+
+TriangleMesh read_mesh(const std::string& path, std::vector<std::string>* warnings) {
+  return parse_mesh(read_file(path), path, warnings);
+}
+
+std::string format_mesh(const TriangleMesh& mesh, MeshFormat format, const MeshWriteOptions& options) {
+  check_arrays(mesh);
+  switch (format) {
+    case MeshFormat::Ply:
+      return ply_text(mesh, options.ascii);
+    case MeshFormat::Obj:
+      return obj_text(mesh);
+    case MeshFormat::Off:
+      return off_text(mesh);
+    case MeshFormat::Stl:
+      return stl_text(mesh, options.ascii);
+  }
+  return {};
+}
+
+void write_mesh(const std::string& path, const TriangleMesh& mesh, const MeshWriteOptions& options) {
+  write_file(path, format_mesh(mesh, mesh_format(path), options));
+}
+
+std::vector<std::string> losses_in_format(const TriangleMesh& mesh, MeshFormat format,
+                                          const MeshWriteOptions& options) {
+  std::vector<std::string> losses;
+  if (format == MeshFormat::Ply) return losses;
+  if (!mesh.vertex_values.empty()) {
+    std::string names;
+    for (const auto& [name, values] : mesh.vertex_values) names += (names.empty() ? "" : ", ") + name;
+    losses.push_back(
+        concat(name_of(format), " cannot hold the values per vertex (", names, "); use .ply to keep them"));
+  }
+  if (format == MeshFormat::Stl) {
+    if (has_normals(mesh))
+      losses.emplace_back("STL cannot hold the normals of the vertices; use .ply to keep them");
+    std::vector<char> used(static_cast<size_t>(mesh.n_vertices()), 0);
+    for (Eigen::Index f = 0; f < mesh.n_triangles(); ++f)
+      for (int k = 0; k < 3; ++k) used[static_cast<size_t>(mesh.triangles(f, k))] = 1;
+    Eigen::Index n_unused = 0;
+    for (const char u : used) n_unused += u == 0;
+    if (n_unused > 0) losses.push_back(concat("STL leaves out the ", n_unused, " vertices without a face"));
+    if (!options.ascii) losses.emplace_back("binary STL rounds coordinates to single precision (7 digits)");
+  }
+  return losses;
+}
+
+}  // namespace batten

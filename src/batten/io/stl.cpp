@@ -1,0 +1,140 @@
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <unordered_map>
+
+#include "batten/core/error.hpp"
+#include "batten/core/text.hpp"
+#include "batten/io/mesh_formats_detail.hpp"
+
+namespace batten::detail {
+
+namespace {
+
+constexpr size_t kHeader = 84, kFacet = 50;
+
+std::uint32_t little_uint32(const char* bytes) {
+  std::uint32_t value = 0;
+  for (int k = 4; k-- > 0;) value = value << 8 | static_cast<unsigned char>(bytes[k]);
+  return value;
+}
+
+/// STL repeats the corners of every triangle; those with the same coordinates, bit for bit, are one vertex.
+class ExactMerger {
+ public:
+  explicit ExactMerger(RawMesh& mesh) : mesh_(mesh) {}
+
+  int vertex(double x, double y, double z) {
+    const Key key{x + 0.0, y + 0.0, z + 0.0};  // −0 becomes +0
+    const auto [place, fresh] = numbers_.try_emplace(key, static_cast<int>(mesh_.positions.size() / 3));
+    if (fresh) mesh_.positions.insert(mesh_.positions.end(), {key.x, key.y, key.z});
+    return place->second;
+  }
+
+ private:
+  struct Key {
+    double x, y, z;
+    bool operator==(const Key&) const = default;
+  };
+  struct Hash {
+    size_t operator()(const Key& key) const {
+      std::uint64_t hash = 0x9E3779B97F4A7C15ull;
+      for (const double value : {key.x, key.y, key.z}) {
+        std::uint64_t bits = 0;
+        std::memcpy(&bits, &value, sizeof bits);
+        hash = (hash ^ bits) * 0xD6E8FEB86659FD93ull;
+        hash ^= hash >> 32;
+      }
+      return static_cast<size_t>(hash);
+    }
+  };
+  RawMesh& mesh_;
+  std::unordered_map<Key, int, Hash> numbers_;
+};
+
+RawMesh parse_binary(std::string_view content, const std::string& path) {
+  RawMesh mesh;
+  ExactMerger merger(mesh);
+  const size_t n = little_uint32(content.data() + 80);
+  for (size_t f = 0; f < n; ++f) {
+    const char* facet = content.data() + kHeader + f * kFacet;
+    std::vector<int> corners;
+    for (size_t k = 0; k < 3; ++k) {
+      double coordinates[3];
+      for (size_t axis = 0; axis < 3; ++axis) {
+        const std::uint32_t bits = little_uint32(facet + 12 + 12 * k + 4 * axis);
+        float value = 0;
+        std::memcpy(&value, &bits, sizeof value);
+        if (!std::isfinite(value))
+          throw FileError(
+              path, 0,
+              concat("facet ", f, " has the coordinate ", value, ", which is not finite; remove it"));
+        coordinates[axis] = value;
+      }
+      corners.push_back(merger.vertex(coordinates[0], coordinates[1], coordinates[2]));
+    }
+    add_face(mesh, corners);
+  }
+  return mesh;
+}
+
+RawMesh parse_text(std::string content, const std::string& path) {
+  RawMesh mesh;
+  ExactMerger merger(mesh);
+  LineReader reader(std::move(content), path);
+  std::string_view line, word;
+  std::vector<int> corners;
+  bool in_solid = false, in_loop = false;
+  long solid_line = 0;
+  while (reader.next(line)) {
+    Tokens tokens(line);
+    if (!tokens.next(word)) continue;
+    if (word == "vertex") {
+      if (!in_loop) reader.fail("a vertex stands outside of 'outer loop' … 'endloop'");
+      double xyz[3];
+      for (double& value : xyz) value = read_finite(tokens, reader, "a coordinate");
+      corners.push_back(merger.vertex(xyz[0], xyz[1], xyz[2]));
+    } else if (word == "outer") {
+      in_loop = true;
+      corners.clear();
+    } else if (word == "endloop") {
+      if (!in_loop || corners.size() != 3)
+        reader.fail(concat("the facet has ", corners.size(), " vertices, expected 3"));
+      in_loop = false;
+      add_face(mesh, corners);
+    } else if (word == "solid") {
+      in_solid = true;
+      solid_line = reader.line_number();
+    } else if (word == "endsolid") {
+      in_solid = false;
+    } else if (word != "facet" && word != "endfacet") {
+      reader.fail("expected solid, facet, outer loop, vertex, endloop, endfacet or endsolid");
+    }
+  }
+  if (in_loop || in_solid)
+    reader.fail(concat("the solid begun on line ", solid_line, " has no 'endsolid'; the file is truncated"));
+  return mesh;
+}
+
+}  // namespace
+
+bool is_binary_stl(std::string_view content) {
+  return content.size() >= kHeader && (content.size() - kHeader) % kFacet == 0 &&
+         (content.size() - kHeader) / kFacet == little_uint32(content.data() + 80);
+}
+
+RawMesh parse_stl(std::string content, const std::string& path) {
+  if (is_binary_stl(content)) return parse_binary(content, path);
+  std::string_view word;
+  Tokens(std::string_view(content).substr(0, 200)).next(word);
+  if (word == "solid" && std::memchr(content.data(), '\0', content.size()) == nullptr)
+    return parse_text(std::move(content), path);
+  if (content.size() >= kHeader)
+    throw FileError(path, 0,
+                    concat("announces ", little_uint32(content.data() + 80), " facets, but ", content.size(),
+                           " bytes hold ", (content.size() - kHeader) / kFacet,
+                           "; the file is truncated or no STL file"));
+  throw FileError(path, 0, "is too short for an STL file");
+}
+
+}  // namespace batten::detail

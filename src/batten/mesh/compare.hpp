@@ -1,0 +1,45 @@
+#pragma once
+#include <cstdint>
+
+#include <Eigen/Core>
+
+#include "batten/core/progress.hpp"
+#include "batten/mesh/registration.hpp"
+#include "batten/mesh/shape.hpp"
+
+namespace batten {
+
+/// Largest, mean and root mean square of a set of distances; zeros without any.
+struct DistanceFigures {
+  double max = 0, mean = 0, rms = 0;
+  Eigen::Index count = 0;
+};
+DistanceFigures distance_figures(const Eigen::VectorXd& distances);
+
+struct CompareOptions {
+  RegistrationKind registration = RegistrationKind::None;
+  Eigen::Index samples = 200000;  ///< per direction, uniform by area or length
+  std::uint64_t seed = 1;
+};
+
+/// Distances from one shape to the other.
+struct DirectedComparison {
+  DistanceFigures vertices;  ///< over the vertices in use
+  DistanceFigures samples;   ///< over the uniform samples: independent of the density of the vertices
+  /// Per vertex of the shape that is measured, in the unit of B; NaN where no element uses the vertex.
+  Eigen::VectorXd vertex_distances;
+};
+
+struct Comparison {
+  Registration registration;  ///< applied to A before measuring
+  DirectedComparison a_to_b, b_to_a;
+  double diameter = 0;  ///< of B: the diagonal of its bounding box, to divide by
+};
+
+/// Exact distances between two shapes (surfaces or curves, in any mix), in both directions: from every vertex
+/// and sample to the nearest point of any triangle or segment of the other.
+/// @throws InvalidInput when a shape is empty or B is a single point; Cancelled.
+Comparison compare(const Shape& a, const Shape& b, const CompareOptions& options = {},
+                   const Progress& progress = {});
+
+}  // namespace batten

@@ -1,0 +1,34 @@
+#pragma once
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+namespace batten {
+
+/// One vector known in two frames: e in the world, m as the device measures it.
+struct VectorPair {
+  Eigen::Vector3d reference;  ///< in world coordinates, any length but zero
+  Eigen::Vector3d measured;   ///< in device coordinates, any length but zero
+  double weight = 1;          ///< α, at least 0
+};
+
+/// Which algorithm solves Wahba's problem. Both give the same rotation to rounding.
+enum class WahbaMethod {
+  Quaternion,  ///< Davenport's q method (S 3.6–3.13): dominant eigenvector of a 4 × 4 matrix
+  Svd,         ///< singular value decomposition of B (Markley 1988); S 5.2.1 uses it
+};
+
+/// The orientation of a device from vectors that it measures (Wahba's problem, S 3.1).
+///
+/// Minimises Σ αᵢ ‖mᵢ − Xᵀ eᵢ‖² over rotations X with both vectors scaled to length 1. X maps device to world
+/// coordinates; Wahba's A of (3.1) is Xᵀ (METHODS 0).
+/// @throws InvalidInput with fewer than two pairs of positive weight, a vanishing or not finite vector, or
+/// when the directions of one side are all parallel: the rotation is not determined then.
+Eigen::Matrix3d solve_wahba(const std::vector<VectorPair>& pairs,
+                            WahbaMethod method = WahbaMethod::Quaternion);
+
+/// The cost Σ αᵢ ‖mᵢ − Xᵀ eᵢ‖² of (3.1), both vectors scaled to length 1.
+double wahba_cost(const std::vector<VectorPair>& pairs, const Eigen::Matrix3d& X);
+
+}  // namespace batten

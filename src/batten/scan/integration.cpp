@@ -1,0 +1,298 @@
+#include "batten/scan/integration.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <Eigen/Dense>
+
+#include "batten/core/error.hpp"
+#include "batten/core/parallel.hpp"
+#include "batten/linalg/sparse_cholesky.hpp"
+#include "batten/rotation/so3.hpp"
+
+namespace batten {
+
+namespace {
+
+/// A piece of one curve between two shared vertices.
+struct Segment {
+  int curve;
+  int begin, end;  ///< steps [begin, end)
+  int from, to;    ///< vertices; to may be no node where the curve ends freely
+  double length;
+  Eigen::Vector3d sum;  ///< of its steps
+};
+
+std::vector<Segment> segments_of(const SampledScan& scan, const VertexNumbering& numbering,
+                                 const std::vector<Points>& steps) {
+  std::vector<Segment> segments;
+  for (int c = 0; c < static_cast<int>(scan.curves.size()); ++c) {
+    const SampledCurve& curve = scan.curves[c];
+    const int n = curve.n_samples();
+    int begin = 0;
+    for (int k = 1; k < n; ++k) {
+      if (numbering.vertices[c][k] >= numbering.n_nodes && k < n - 1) continue;
+      Segment segment;
+      segment.curve = c;
+      segment.begin = begin;
+      segment.end = k;
+      segment.from = numbering.vertices[c][begin];
+      segment.to = numbering.vertices[c][k];
+      segment.length = curve.parameters[k] - curve.parameters[begin];
+      segment.sum = steps[c].middleRows(begin, k - begin).colwise().sum().transpose();
+      segments.push_back(segment);
+      begin = k;
+    }
+  }
+  return segments;
+}
+
+/// The second-difference form of one curve, condensed: with e_k = (x_{k+1} − x_k − d_k)/h_k the least value
+/// of eᵀTe under Σ_{segment} h_k e_k = m_s. T is the path (or ring) Laplacian over the steps, with one more
+/// on the diagonal at the free ends of an open curve.
+class CurveBending {
+ public:
+  CurveBending(const SampledCurve& curve, const std::vector<Segment>& segments, size_t first, size_t last)
+      : n_steps_(curve.n_samples() - 1), closed_(curve.closed), n_segments_(static_cast<int>(last - first)) {
+    // T⁻¹ h_s for each segment s, h_s the steps of the segment. On a ring T is singular: step 0 is taken out
+    // and its value becomes the unknown c, added to all.
+    loads_.setZero(n_steps_, n_segments_);
+    Eigen::VectorXd lengths(n_segments_);
+    for (size_t s = first; s < last; ++s) {
+      for (int k = segments[s].begin; k < segments[s].end; ++k)
+        loads_(k, static_cast<Eigen::Index>(s - first)) = curve.step(k);
+      lengths[static_cast<Eigen::Index>(s - first)] = segments[s].length;
+    }
+    responses_ = solve(loads_);
+    const Eigen::MatrixXd G = loads_.transpose() * responses_;
+    const int n_multipliers = n_segments_ + (closed_ ? 1 : 0);
+    Eigen::MatrixXd system = Eigen::MatrixXd::Zero(n_multipliers, n_multipliers);
+    system.topLeftCorner(n_segments_, n_segments_) = G;
+    if (closed_) {
+      system.col(n_segments_).head(n_segments_) = lengths;
+      system.row(n_segments_).head(n_segments_) = lengths.transpose();
+    }
+    const Eigen::MatrixXd inverse = system.completeOrthogonalDecomposition().pseudoInverse();
+    multipliers_ = inverse.leftCols(n_segments_);
+  }
+
+  /// K with energy mᵀ K m, n_segments × n_segments.
+  Eigen::MatrixXd stiffness() const { return multipliers_.topRows(n_segments_); }
+
+  /// e for the misfits m (n_segments × 3): n_steps × 3.
+  Eigen::MatrixXd strain(const Eigen::MatrixXd& misfits) const {
+    const Eigen::MatrixXd nu = multipliers_ * misfits;
+    Eigen::MatrixXd e = responses_ * nu.topRows(n_segments_);
+    if (closed_) e.rowwise() += nu.row(n_segments_);
+    return e;
+  }
+
+ private:
+  /// Tridiagonal elimination (Thomas) for all right-hand sides at once.
+  Eigen::MatrixXd solve(const Eigen::MatrixXd& B) const {
+    const int first = closed_ ? 1 : 0;  // ring: row and column 0 taken out
+    const int n = n_steps_ - first;
+    Eigen::MatrixXd X = Eigen::MatrixXd::Zero(B.rows(), B.cols());
+    if (n <= 0) return X;
+    // Path: 1 + 1 on the diagonal everywhere (neighbour before or end row, neighbour after or end row).
+    // Ring without step 0: the same. So T is the second-difference matrix with Dirichlet ends throughout.
+    Eigen::VectorXd upper(n);
+    X.bottomRows(n) = B.bottomRows(n);
+    double pivot = 2;
+    upper[0] = -1 / pivot;
+    X.row(first) /= pivot;
+    for (int k = 1; k < n; ++k) {
+      pivot = 2 + upper[k - 1];
+      upper[k] = -1 / pivot;
+      X.row(first + k) = (X.row(first + k) + X.row(first + k - 1)) / pivot;
+    }
+    for (int k = n - 2; k >= 0; --k) X.row(first + k) -= upper[k] * X.row(first + k + 1);
+    return X;
+  }
+
+  int n_steps_;
+  bool closed_;
+  int n_segments_;
+  Eigen::MatrixXd loads_, responses_, multipliers_;
+};
+
+/// Component of every vertex below `n`, by the segments; the number of components.
+int count_components(int n, const std::vector<Segment>& segments) {
+  std::vector<int> root(n);
+  for (int i = 0; i < n; ++i) root[i] = i;
+  const auto find = [&root](int i) {
+    while (root[i] != i) i = root[i] = root[root[i]];
+    return i;
+  };
+  int components = n;
+  for (const Segment& segment : segments) {
+    const int a = find(segment.from), b = find(segment.to);
+    if (a != b) root[a] = b, --components;
+  }
+  return components;
+}
+
+}  // namespace
+
+Eigen::Vector3d frame_step(const Eigen::Matrix3d& X, const Eigen::Matrix3d& Y, double h, StepRule rule) {
+  if (rule == StepRule::Tangent) return h * X.col(0);
+  // J(φ) = ∫₀¹ exp(u φ) du is the left Jacobian of SO(3), the right Jacobian at −φ.
+  const Eigen::Vector3d phi = so3_log(X.transpose() * Y);
+  return h * (X * so3_right_jacobian(-phi).col(0));
+}
+
+std::vector<Points> frame_steps(const SampledScan& scan, StepRule rule) {
+  std::vector<Points> steps(scan.curves.size());
+  for (size_t c = 0; c < scan.curves.size(); ++c) {
+    const SampledCurve& curve = scan.curves[c];
+    steps[c].resize(curve.n_samples() - 1, 3);
+    parallel_for(curve.n_samples() - 1, 4096, [&](Eigen::Index begin, Eigen::Index end) {
+      for (Eigen::Index k = begin; k < end; ++k)
+        steps[c].row(k) =
+            frame_step(curve.frames[k], curve.frames[k + 1], curve.step(static_cast<int>(k)), rule);
+    });
+  }
+  return steps;
+}
+
+IntegrationResult integrate_steps(const SampledScan& scan, const std::vector<Points>& steps,
+                                  ClosureForm form) {
+  const VertexNumbering numbering = number_vertices(scan);
+  const std::vector<Segment> segments = segments_of(scan, numbering, steps);
+  // Free ends of curves are vertices of the condensed system as well; number what it needs.
+  std::vector<int> slot(numbering.n_vertices, -1);
+  int n_slots = 0;
+  for (const Segment& segment : segments)
+    for (const int vertex : {segment.from, segment.to})
+      if (slot[vertex] < 0) slot[vertex] = n_slots++;
+  std::vector<Segment> condensed = segments;
+  for (Segment& segment : condensed) segment.from = slot[segment.from], segment.to = slot[segment.to];
+  if (count_components(n_slots, condensed) != 1)
+    throw InvalidInput("the curves are not connected: positions of separate parts cannot be observed");
+
+  // Laplacian over nodes and free ends. The first is held at the origin, or the matrix is singular.
+  std::vector<CurveBending> bending;
+  std::vector<Eigen::Triplet<double>> entries;
+  Eigen::MatrixXd right = Eigen::MatrixXd::Zero(n_slots, 3);
+  const auto couple = [&](const Segment& a, const Segment& b, double k) {
+    // k (x_to − x_from − Σd)_a · (x_to − x_from − Σd)_b
+    entries.emplace_back(a.to, b.to, k);
+    entries.emplace_back(a.from, b.from, k);
+    entries.emplace_back(a.to, b.from, -k);
+    entries.emplace_back(a.from, b.to, -k);
+    right.row(a.to) += k * b.sum.transpose();
+    right.row(a.from) -= k * b.sum.transpose();
+  };
+  std::vector<std::pair<size_t, size_t>> range_of_curve(scan.curves.size());
+  for (size_t s = 0; s < condensed.size();) {
+    size_t end = s;
+    while (end < condensed.size() && condensed[end].curve == condensed[s].curve) ++end;
+    range_of_curve[condensed[s].curve] = {s, end};
+    s = end;
+  }
+  for (size_t c = 0; c < scan.curves.size(); ++c) {
+    const auto [first, last] = range_of_curve[c];
+    if (form == ClosureForm::FirstDifference) {
+      for (size_t s = first; s < last; ++s) couple(condensed[s], condensed[s], 1 / condensed[s].length);
+      continue;
+    }
+    bending.emplace_back(scan.curves[c], condensed, first, last);
+    const Eigen::MatrixXd K = bending.back().stiffness();
+    for (size_t a = first; a < last; ++a)
+      for (size_t b = first; b < last; ++b)
+        couple(condensed[a], condensed[b],
+               K(static_cast<Eigen::Index>(a - first), static_cast<Eigen::Index>(b - first)));
+  }
+  Eigen::MatrixXd nodes = Eigen::MatrixXd::Zero(n_slots, 3);
+  if (n_slots > 1) {
+    std::vector<Eigen::Triplet<double>> free_entries;
+    for (const Eigen::Triplet<double>& entry : entries)
+      if (entry.row() > 0 && entry.col() > 0)
+        free_entries.emplace_back(entry.row() - 1, entry.col() - 1, entry.value());
+    SparseMatrix L(n_slots - 1, n_slots - 1);
+    L.setFromTriplets(free_entries.begin(), free_entries.end());
+    SparseCholesky solver("positions of the nodes");
+    solver.factorize(L);
+    nodes.bottomRows(n_slots - 1) = solver.solve(right.bottomRows(n_slots - 1));
+  }
+
+  IntegrationResult result;
+  result.n_loops = static_cast<int>(condensed.size()) - n_slots + 1;
+  result.positions.resize(numbering.n_vertices, 3);
+  for (int v = 0; v < numbering.n_vertices; ++v)
+    if (slot[v] >= 0) result.positions.row(v) = nodes.row(slot[v]);
+  double squares = 0;
+  for (const Segment& s : condensed) {
+    const double misfit2 = (nodes.row(s.to) - nodes.row(s.from) - s.sum.transpose()).squaredNorm();
+    result.closure_energy += misfit2 / s.length;
+    squares += misfit2;
+  }
+  result.closure_misfit = std::sqrt(squares / static_cast<double>(condensed.size()));
+
+  parallel_for(static_cast<Eigen::Index>(scan.curves.size()), 1, [&](Eigen::Index begin, Eigen::Index end) {
+    for (Eigen::Index c = begin; c < end; ++c) {
+      const SampledCurve& curve = scan.curves[c];
+      const auto [first, last] = range_of_curve[c];
+      Eigen::MatrixXd misfits(static_cast<Eigen::Index>(last - first), 3);
+      for (size_t s = first; s < last; ++s)
+        misfits.row(static_cast<Eigen::Index>(s - first)) =
+            nodes.row(condensed[s].to) - nodes.row(condensed[s].from) - condensed[s].sum.transpose();
+      Eigen::MatrixXd strain;
+      if (form == ClosureForm::SecondDifference) strain = bending[c].strain(misfits);
+      for (size_t s = first; s < last; ++s) {
+        Eigen::RowVector3d x = nodes.row(condensed[s].from);
+        const Eigen::RowVector3d rate =
+            misfits.row(static_cast<Eigen::Index>(s - first)) / condensed[s].length;
+        for (int k = condensed[s].begin; k + 1 < condensed[s].end; ++k) {
+          const double h = curve.step(k);
+          x += steps[c].row(k);
+          x += h * (strain.size() > 0 ? Eigen::RowVector3d(strain.row(k)) : rate);
+          result.positions.row(numbering.vertices[c][k + 1]) = x;
+        }
+      }
+    }
+  });
+  const Eigen::RowVector3d origin = result.positions.row(0);
+  result.positions.rowwise() -= origin;
+  return result;
+}
+
+std::vector<Points> integrate_preview(const SampledScan& scan, StepRule rule) {
+  const VertexNumbering numbering = number_vertices(scan);
+  const std::vector<Points> steps = frame_steps(scan, rule);
+  const int n_curves = static_cast<int>(scan.curves.size());
+  std::vector<Points> lines(n_curves);
+  std::map<int, Eigen::RowVector3d> placed;
+  std::vector<char> done(n_curves, 0);
+  for (int round = 0; round < n_curves; ++round) {
+    // The first curve that touches what is placed, else the first left.
+    int next = -1, anchor = 0;
+    for (int c = 0; c < n_curves && next < 0; ++c) {
+      if (done[c]) continue;
+      for (int k = 0; k < scan.curves[c].n_samples() && next < 0; ++k)
+        if (placed.count(numbering.vertices[c][k]) > 0) next = c, anchor = k;
+    }
+    for (int c = 0; c < n_curves && next < 0; ++c)
+      if (!done[c]) next = c;
+    const int n = scan.curves[next].n_samples();
+    Points& line = lines[next];
+    line.setZero(n, 3);
+    for (int k = 0; k + 1 < n; ++k) line.row(k + 1) = line.row(k) + steps[next].row(k);
+    const auto known = placed.find(numbering.vertices[next][anchor]);
+    if (known != placed.end()) line.rowwise() += (known->second - line.row(anchor)).eval();
+    for (int k = 0; k < n; ++k)
+      if (numbering.vertices[next][k] < numbering.n_nodes)
+        placed.emplace(numbering.vertices[next][k], line.row(k));
+    done[next] = 1;
+  }
+  return lines;
+}
+
+double scan_size(const Points& positions) {
+  if (positions.rows() == 0) return 0;
+  const Eigen::RowVector3d centroid = positions.colwise().mean();
+  return 2 * std::sqrt((positions.rowwise() - centroid).rowwise().squaredNorm().maxCoeff());
+}
+
+}  // namespace batten

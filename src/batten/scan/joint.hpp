@@ -1,0 +1,58 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "batten/core/progress.hpp"
+#include "batten/scan/samples.hpp"
+
+namespace batten {
+
+/// Standard deviations and lengths of the model behind estimate_jointly(). Lengths are in sizes of the scan.
+struct NoiseModel {
+  double white = 0;         ///< of one reading, per axis, radians: independent from reading to reading
+  double drift = 0;         ///< of the slow drift of the frames, per axis, radians
+  double drift_length = 0;  ///< over which the drift forgets itself (to 1/e)
+  double scale = 0;         ///< of the logarithm of the odometer factor of a curve
+  /// How fast the rate of turn ω of the frames may change along the curves: variance of its change per
+  /// length, rad²/size³. Small on spheres, large on wavy objects.
+  double bending = 0;
+};
+
+/// Options of estimate_jointly().
+struct JointOptions {
+  double size = 1;           ///< of the scan (METHODS 0), in its unit; > 0
+  double reading_noise = 0;  ///< radians, from reading_noise(): where the search for the noise starts
+  /// Standard deviation of the logarithm of the length factor of each curve where it is known beforehand
+  /// (lengths that are only estimated); 0: found from the data.
+  double scale_deviation = 0;
+  double xi = 10000;   ///< agreement of the normals at nodes relative to the data, as in S (3.30)
+  bool robust = true;  ///< samples far from the curve lose their say
+};
+
+/// Frames, drift, length factors and positions that explain a scan best.
+struct JointEstimate {
+  SampledScan scan;                    ///< the frames; parameters multiplied by the length factors
+  std::vector<Points> drift;           ///< per curve, n_samples × 3 rotation vectors in the world, radians
+  Eigen::VectorXd log_factors;         ///< per curve: true length = exp(·) × measured length, radians
+  Eigen::VectorXd factor_deviation;    ///< their posterior standard deviations about the mean of all curves
+  NoiseModel noise;                    ///< as found
+  std::vector<Eigen::VectorXd> trust;  ///< per curve and sample: 1 kept … 0 ignored by the robust loss
+  double evidence = 0;                 ///< −2 log marginal likelihood, up to a constant
+  int iterations = 0;                  ///< Gauss–Newton steps
+  int evaluations = 0;                 ///< noise models tried
+};
+
+/// Estimates frames, slow drift of the frames, and odometer factors at once, so that the network closes.
+///
+/// Model, beyond the thesis: a reading is exp(white + b(s)) X(s) with b an Ornstein–Uhlenbeck process along
+/// the curve; the rate of turn of X is a Wiener process (the E_2 of S 3.26 as a prior); the steps integrate
+/// to positions that meet at the nodes when each curve's length is multiplied by its factor; normals agree at
+/// nodes (E_N). The frames, b, positions and factors are the maximum a posteriori, by Gauss–Newton on one
+/// sparse system; the five figures of NoiseModel maximise the marginal likelihood (Laplace's approximation)
+/// under weak priors. So closure, agreement of normals and smoothness all speak about the noise, and networks
+/// without loops need no other rule.
+/// @throws InvalidInput, SolverFailure, Cancelled.
+JointEstimate estimate_jointly(const SampledScan& scan, const JointOptions& options,
+                               const Progress& progress = {});
+
+}  // namespace batten

@@ -1,0 +1,421 @@
+#include "batten/scan/prefilter.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Dense>
+
+#include "batten/core/error.hpp"
+#include "batten/core/text.hpp"
+#include "batten/core/units.hpp"
+#include "batten/rotation/average.hpp"
+#include "batten/rotation/so3.hpp"
+
+namespace batten {
+
+namespace {
+
+double median(std::vector<double>& values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  if (values.size() % 2 == 1) return *middle;
+  // Both middle values: the result must not depend on the direction in which a curve was recorded.
+  return 0.5 * (*middle + *std::max_element(values.begin(), middle));
+}
+
+double angle_between(const Eigen::Matrix3d& A, const Eigen::Matrix3d& B) {
+  return so3_log(A.transpose() * B).norm();
+}
+
+bool agree(const Eigen::Matrix3d& A, const Eigen::Matrix3d& B, double cosine) {
+  return std::cos(0.5 * angle_between(A, B)) >= cosine;  // |q·q'| = cos(θ/2)
+}
+
+/// The thesis's rule, extended to short runs. The sequence is cut where neighbours disagree; short pieces
+/// between long ones are outliers unless they agree with both long neighbours (or the one there is).
+std::vector<char> outliers_by_neighbours(const std::vector<Eigen::Matrix3d>& frames, double cosine,
+                                         int longest_run) {
+  const int n = static_cast<int>(frames.size());
+  std::vector<char> outlier(n, 0);
+  std::vector<std::pair<int, int>> pieces;  // [begin, end)
+  int begin = 0;
+  for (int i = 1; i <= n; ++i) {
+    if (i < n && agree(frames[i - 1], frames[i], cosine)) continue;
+    pieces.emplace_back(begin, i);
+    begin = i;
+  }
+  const int n_pieces = static_cast<int>(pieces.size());
+  if (n_pieces == 1) return outlier;
+  const auto is_long = [&](int p) { return pieces[p].second - pieces[p].first > longest_run; };
+  for (int p = 0; p < n_pieces; ++p) {
+    if (is_long(p)) continue;
+    const auto [first, end] = pieces[p];
+    int before = p - 1, after = p + 1;
+    while (before >= 0 && !is_long(before)) --before;
+    while (after < n_pieces && !is_long(after)) ++after;
+    const bool has_before = before >= 0, has_after = after < n_pieces;
+    if (!has_before && !has_after) {
+      // Nothing to hold it against but the neighbours: the printed rule, for single readings.
+      if (end - first == 1) outlier[first] = 1;
+      continue;
+    }
+    const bool fits_before = has_before && agree(frames[pieces[before].second - 1], frames[first], cosine);
+    const bool fits_after = has_after && agree(frames[end - 1], frames[pieces[after].first], cosine);
+    if (fits_before || fits_after) continue;
+    const bool bridged = has_before && has_after &&
+                         agree(frames[pieces[before].second - 1], frames[pieces[after].first], cosine);
+    if (bridged || end - first == 1 || !has_before || !has_after)
+      std::fill(outlier.begin() + first, outlier.begin() + end, 1);
+  }
+  return outlier;
+}
+
+/// Median slope and level of three components over distance (Theil, Sen): half of the readings may be wrong.
+Eigen::Vector3d robust_level(const std::vector<double>& distances, const std::vector<Eigen::Vector3d>& values,
+                             double at) {
+  Eigen::Vector3d level;
+  std::vector<double> scratch;
+  for (int a = 0; a < 3; ++a) {
+    scratch.clear();
+    for (size_t i = 0; i < values.size(); ++i)
+      for (size_t j = 0; j < i; ++j)
+        if (distances[i] != distances[j])
+          scratch.push_back((values[i][a] - values[j][a]) / (distances[i] - distances[j]));
+    const double slope = median(scratch);
+    scratch.clear();
+    for (size_t i = 0; i < values.size(); ++i) scratch.push_back(values[i][a] - slope * (distances[i] - at));
+    level[a] = median(scratch);
+  }
+  return level;
+}
+
+/// How far every reading lies from a robust line through the readings around it.
+std::vector<Eigen::Vector3d> residuals_to_surroundings(const Eigen::VectorXd& distances,
+                                                       const std::vector<Eigen::Matrix3d>& frames) {
+  constexpr int kReach = 5;
+  const int n = static_cast<int>(frames.size());
+  std::vector<Eigen::Vector3d> residuals(n, Eigen::Vector3d::Zero());
+  for (int i = 0; i < n; ++i) {
+    const int begin = std::max(0, i - kReach), end = std::min(n, i + kReach + 1);
+    if (end - begin < 5) continue;
+    // The base is the reading nearest to all others, so that an outlier never is the base.
+    int base = begin;
+    double least = std::numeric_limits<double>::infinity();
+    for (int j = begin; j < end; ++j) {
+      double sum = 0;
+      for (int k = begin; k < end; ++k) sum += angle_between(frames[j], frames[k]);
+      if (sum < least * (1 - 1e-12)) least = sum, base = j;
+    }
+    std::vector<double> s;
+    std::vector<Eigen::Vector3d> v;
+    for (int j = begin; j < end; ++j) {
+      if (j == i) continue;
+      s.push_back(distances[j]);
+      v.push_back(so3_log(frames[j] * frames[base].transpose()));
+    }
+    residuals[i] = so3_log(frames[i] * frames[base].transpose()) - robust_level(s, v, distances[i]);
+  }
+  return residuals;
+}
+
+std::vector<Eigen::Matrix3d> reading_frames(const ScanCurve& curve) {
+  std::vector<Eigen::Matrix3d> frames;
+  frames.reserve(curve.n_readings());
+  for (Eigen::Index i = 0; i < curve.n_readings(); ++i)
+    frames.push_back(darboux_frame(curve.tangents.row(i), curve.normals.row(i), false));
+  return frames;
+}
+
+/// Merges readings at one distance and carries the nodes along.
+CleanCurve merged(const ScanCurve& curve, const std::vector<Eigen::Matrix3d>& frames,
+                  const std::vector<char>& outlier) {
+  const int n = static_cast<int>(frames.size());
+  CleanCurve clean;
+  std::vector<double> distances, counts;
+  std::vector<int> group_of_reading(n, -1);
+  for (int i = 0; i < n;) {
+    int end = i + 1;
+    while (end < n && curve.distances[end] == curve.distances[i]) ++end;
+    std::vector<Eigen::Matrix3d> group;
+    for (int j = i; j < end; ++j)
+      if (!outlier[j]) group.push_back(frames[j]);
+    const bool is_end = i == 0 || end == n;
+    bool is_node = false;
+    for (const int reading : curve.node_readings) is_node = is_node || (reading >= i && reading < end);
+    if (group.empty() && (is_end || is_node)) {
+      // The place is needed although its reading is not: a weight of zero lets the neighbours fill it in.
+      distances.push_back(curve.distances[i] - curve.distances[0]);
+      clean.frames.push_back(frames[i]);
+      counts.push_back(0);
+    } else if (!group.empty()) {
+      distances.push_back(curve.distances[i] - curve.distances[0]);
+      clean.frames.push_back(group.size() == 1 ? group.front() : rotation_average(group));
+      counts.push_back(static_cast<double>(group.size()));
+      clean.n_duplicates += static_cast<int>(group.size()) - 1;
+    }
+    for (int j = i; j < end; ++j) group_of_reading[j] = static_cast<int>(distances.size()) - 1;
+    i = end;
+  }
+  clean.distances =
+      Eigen::Map<Eigen::VectorXd>(distances.data(), static_cast<Eigen::Index>(distances.size()));
+  clean.counts = Eigen::Map<Eigen::VectorXd>(counts.data(), static_cast<Eigen::Index>(counts.size()));
+  for (size_t j = 0; j < curve.node_readings.size(); ++j) {
+    clean.node_readings.push_back(group_of_reading[curve.node_readings[j]]);
+    clean.node_ids.push_back(curve.node_ids[j]);
+  }
+  clean.n_outliers = static_cast<int>(std::count(outlier.begin(), outlier.end(), 1));
+  return clean;
+}
+
+/// Readings that carry weight, over one period more on both sides of a closed curve.
+struct Window {
+  std::vector<double> distances, counts;
+  std::vector<Eigen::Matrix3d> frames;
+};
+
+Window window_of(const CleanCurve& curve, bool wrap) {
+  Window window;
+  const int n = static_cast<int>(curve.frames.size());
+  const double length = curve.distances[n - 1];
+  for (int period = wrap ? -1 : 0; period <= (wrap ? 1 : 0); ++period) {
+    for (int i = 0; i < n; ++i) {
+      if (curve.counts[i] == 0) continue;
+      // First and last reading of a closed curve lie at one place: shifted copies meet there, which is right.
+      window.distances.push_back(curve.distances[i] + period * length);
+      window.counts.push_back(curve.counts[i]);
+      window.frames.push_back(curve.frames[i]);
+    }
+  }
+  return window;
+}
+
+/// The frame at t, fitted to the readings around it.
+Eigen::Matrix3d frame_at(const Window& window, double t, double radius, bool local_linear) {
+  constexpr double kReach = 4;  // beyond four radii a Gaussian weight is below 4e-4
+  const std::vector<double>& d = window.distances;
+  const int n = static_cast<int>(d.size());
+  const int after = static_cast<int>(std::lower_bound(d.begin(), d.end(), t) - d.begin());
+  // Fewer readings than samples: widen the window so that the readings on both sides count.
+  double gap;
+  if (after == 0) {
+    gap = n > 1 ? d[1] - t : 0;
+  } else if (after == n) {
+    gap = n > 1 ? t - d[n - 2] : 0;
+  } else {
+    gap = d[after] - d[after - 1];
+    if (d[after] == t && after + 1 < n) gap = std::max(gap, d[after + 1] - t);
+  }
+  radius = std::max(radius, 0.5 * gap);
+  const int begin = static_cast<int>(std::lower_bound(d.begin(), d.end(), t - kReach * radius) - d.begin());
+  const int end = static_cast<int>(std::upper_bound(d.begin(), d.end(), t + kReach * radius) - d.begin());
+  int nearest = std::clamp(after, begin, std::max(begin, end - 1));
+  if (nearest > begin && nearest < n && t - d[nearest - 1] < d[nearest] - t) --nearest;
+  const Eigen::Matrix3d& base = window.frames[nearest];
+  if (end - begin < 2) return base;
+  if (!local_linear) {
+    std::vector<Eigen::Quaterniond> q;
+    std::vector<double> weights;
+    for (int i = begin; i < end; ++i) {
+      const double u = (d[i] - t) / radius;
+      q.emplace_back(window.frames[i]);
+      weights.push_back(std::exp(-0.5 * u * u));
+    }
+    return rotation_average(q, weights).toRotationMatrix();
+  }
+  // Weighted straight line through log(baseᵀ A): its value at t, and from it the frame. A second pass about
+  // the result removes what the curvature of SO(3) adds when the readings turn much within the window.
+  Eigen::Matrix3d frame = base;
+  for (int pass = 0; pass < 2; ++pass) {
+    double s0 = 0, s1 = 0, s2 = 0;
+    Eigen::Vector3d v0 = Eigen::Vector3d::Zero(), v1 = Eigen::Vector3d::Zero();
+    for (int i = begin; i < end; ++i) {
+      const double u = (d[i] - t) / radius;
+      const double w = window.counts[i] * std::exp(-0.5 * u * u);
+      const Eigen::Vector3d v = so3_log(frame.transpose() * window.frames[i]);
+      s0 += w, s1 += w * u, s2 += w * u * u;
+      v0 += w * v, v1 += w * u * v;
+    }
+    const double determinant = s0 * s2 - s1 * s1;
+    // All readings at one place carry no rate of turn: their average.
+    const Eigen::Vector3d value = determinant > 1e-9 * s0 * s0
+                                      ? Eigen::Vector3d((s2 * v0 - s1 * v1) / determinant)
+                                      : Eigen::Vector3d(v0 / s0);
+    frame = frame * so3_exp(value);
+  }
+  return nearest_rotation(frame);
+}
+
+/// Each reading is shared between the two samples around it in proportion: the counts add up to the readings.
+Eigen::VectorXd shared_counts(const CleanCurve& curve, const Eigen::VectorXd& parameters) {
+  Eigen::VectorXd counts = Eigen::VectorXd::Zero(parameters.size());
+  const double* begin = parameters.data();
+  const double* end = begin + parameters.size();
+  for (Eigen::Index i = 0; i < curve.counts.size(); ++i) {
+    const Eigen::Index after = std::clamp<Eigen::Index>(
+        std::upper_bound(begin, end, curve.distances[i]) - begin, 1, parameters.size() - 1);
+    const double u =
+        (curve.distances[i] - parameters[after - 1]) / (parameters[after] - parameters[after - 1]);
+    counts[after] += curve.counts[i] * std::clamp(u, 0.0, 1.0);
+    counts[after - 1] += curve.counts[i] * (1 - std::clamp(u, 0.0, 1.0));
+  }
+  return counts;
+}
+
+/// A turn at the seam of a closed curve beyond which it is a corner. Noise and drift of good devices stay
+/// below; a corner that is this blunt is rounded within one step.
+constexpr double kSeamCorner = radians(25.0);
+
+}  // namespace
+
+std::vector<CleanCurve> clean_readings(const Scan& scan, const CleanOptions& options,
+                                       std::vector<std::string>& warnings) {
+  std::vector<std::vector<Eigen::Matrix3d>> frames;
+  std::vector<std::vector<char>> outlier;
+  for (int c = 0; c < static_cast<int>(scan.curves.size()); ++c) {
+    const ScanCurve& curve = scan.curves[c];
+    frames.push_back(reading_frames(curve));
+    const int n = static_cast<int>(frames[c].size());
+    std::vector<char> marked(n, 0);
+    if (options.outlier_cosine > 0 && n > 2) {
+      marked = outliers_by_neighbours(frames[c], options.outlier_cosine, options.robust ? 3 : 1);
+      const int count = static_cast<int>(std::count(marked.begin(), marked.end(), 1));
+      if (4 * count > n) {
+        warnings.push_back(concat(curve_label(scan, c), ": ", count, " of ", n,
+                                  " readings turn by more than ",
+                                  degrees(2 * std::acos(options.outlier_cosine)),
+                                  "° from their neighbours, too many to be outliers; all were kept (record "
+                                  "more readings where the curve turns)"));
+        std::fill(marked.begin(), marked.end(), 0);
+      }
+    }
+    outlier.push_back(std::move(marked));
+  }
+  if (options.robust) {
+    std::vector<std::vector<Eigen::Vector3d>> residuals(frames.size());
+    std::vector<std::vector<int>> kept(frames.size());
+    std::vector<double> sizes;
+    for (size_t c = 0; c < frames.size(); ++c) {
+      std::vector<Eigen::Matrix3d> kept_frames;
+      std::vector<double> kept_distances;
+      for (int i = 0; i < static_cast<int>(frames[c].size()); ++i) {
+        if (outlier[c][i]) continue;
+        kept[c].push_back(i);
+        kept_frames.push_back(frames[c][i]);
+        kept_distances.push_back(scan.curves[c].distances[i]);
+      }
+      residuals[c] = residuals_to_surroundings(
+          Eigen::Map<Eigen::VectorXd>(kept_distances.data(),
+                                      static_cast<Eigen::Index>(kept_distances.size())),
+          kept_frames);
+      for (const Eigen::Vector3d& r : residuals[c])
+        for (int a = 0; a < 3; ++a) sizes.push_back(std::abs(r[a]));
+    }
+    const double sigma = 1.4826 * median(sizes);  // of a normal distribution, from the median of |r|
+    for (size_t c = 0; c < frames.size(); ++c) {
+      const int n = static_cast<int>(residuals[c].size());
+      for (int i = 0; i < n; ++i) {
+        const double size = residuals[c][i].norm();
+        if (size < std::max(5 * sigma, radians(3.0))) continue;
+        // A sharp bend makes large residuals too, but to all readings around it.
+        std::vector<double> around;
+        for (int j = std::max(0, i - 4); j < std::min(n, i + 5); ++j)
+          if (j != i) around.push_back(residuals[c][j].norm());
+        if (size > 3 * median(around)) outlier[c][kept[c][i]] = 1;
+      }
+    }
+  }
+  std::vector<CleanCurve> clean;
+  for (int c = 0; c < static_cast<int>(scan.curves.size()); ++c) {
+    clean.push_back(merged(scan.curves[c], frames[c], outlier[c]));
+    if (!(clean.back().counts.array() > 0).any())
+      throw InvalidInput(curve_label(scan, c) + ": no reading is left after the removal of outliers");
+  }
+  return clean;
+}
+
+double reading_noise(const std::vector<CleanCurve>& curves) {
+  std::vector<double> sizes;
+  for (const CleanCurve& curve : curves) {
+    const int n = static_cast<int>(curve.frames.size());
+    for (int i = 1; i + 1 < n; ++i) {
+      if (curve.counts[i - 1] == 0 || curve.counts[i] == 0 || curve.counts[i + 1] == 0) continue;
+      const double u =
+          (curve.distances[i] - curve.distances[i - 1]) / (curve.distances[i + 1] - curve.distances[i - 1]);
+      const Eigen::Vector3d before = so3_log(curve.frames[i - 1] * curve.frames[i].transpose());
+      const Eigen::Vector3d after = so3_log(curve.frames[i + 1] * curve.frames[i].transpose());
+      const Eigen::Vector3d r = (1 - u) * before + u * after;
+      // Variance of r per axis in units of that of one reading.
+      const double spread =
+          1 / curve.counts[i] + (1 - u) * (1 - u) / curve.counts[i - 1] + u * u / curve.counts[i + 1];
+      for (int a = 0; a < 3; ++a) sizes.push_back(std::abs(r[a]) / std::sqrt(spread));
+    }
+  }
+  return 1.4826 * median(sizes);
+}
+
+SampledScan resample(const Scan& scan, const std::vector<CleanCurve>& curves,
+                     const PrefilterOptions& options) {
+  SampledScan samples;
+  for (size_t c = 0; c < curves.size(); ++c) {
+    const CleanCurve& clean = curves[c];
+    SampledCurve curve;
+    curve.name = scan.curves[c].name;
+    curve.boundary = scan.curves[c].boundary;
+    curve.closed = scan.curves[c].closed;
+    const int n = static_cast<int>(clean.frames.size());
+    if (curve.closed)
+      curve.smooth_seam = angle_between(clean.frames.front(), clean.frames.back()) < kSeamCorner;
+    const Window window = window_of(clean, options.wrap && curve.smooth_seam);
+    if (options.step <= 0) {
+      curve.parameters = clean.distances;
+      curve.frames = clean.frames;
+      curve.weights = clean.counts;
+      curve.node_samples = clean.node_readings;
+      curve.node_ids = clean.node_ids;
+      for (int i = 0; i < n; ++i)
+        if (clean.counts[i] == 0) curve.frames[i] = frame_at(window, clean.distances[i], 0, true);
+      if (curve.smooth_seam && options.wrap) {
+        const std::vector<Eigen::Matrix3d> ends{curve.frames.front(), curve.frames.back()};
+        curve.frames.front() = curve.frames.back() = rotation_average(ends);
+      }
+      samples.curves.push_back(std::move(curve));
+      continue;
+    }
+    // Cuts: the ends of the curve and its nodes.
+    std::vector<int> cuts{0};
+    for (const int reading : clean.node_readings)
+      if (reading != 0 && reading != n - 1) cuts.push_back(reading);
+    cuts.push_back(n - 1);
+    std::vector<double> parameters{clean.distances[0]};
+    std::vector<int> sample_of_cut{0};
+    for (size_t s = 0; s + 1 < cuts.size(); ++s) {
+      const double from = clean.distances[cuts[s]], to = clean.distances[cuts[s + 1]];
+      const int fewest = curve.closed && cuts.size() == 2 ? 3 : 1;  // a loop of fewer steps has no area
+      const int steps = std::max(fewest, static_cast<int>(std::lround((to - from) / options.step)));
+      for (int k = 1; k < steps; ++k) parameters.push_back(from + (to - from) * k / steps);
+      parameters.push_back(to);
+      sample_of_cut.push_back(static_cast<int>(parameters.size()) - 1);
+    }
+    curve.parameters =
+        Eigen::Map<Eigen::VectorXd>(parameters.data(), static_cast<Eigen::Index>(parameters.size()));
+    for (size_t j = 0; j < clean.node_readings.size(); ++j) {
+      const auto cut = std::find(cuts.begin(), cuts.end(), clean.node_readings[j]);
+      curve.node_samples.push_back(sample_of_cut[cut - cuts.begin()]);
+      curve.node_ids.push_back(clean.node_ids[j]);
+    }
+    const int n_samples = static_cast<int>(parameters.size());
+    curve.frames.resize(n_samples);
+    for (int k = 0; k < n_samples; ++k) {
+      const double h = k == 0               ? parameters[1] - parameters[0]
+                       : k == n_samples - 1 ? parameters[k] - parameters[k - 1]
+                                            : 0.5 * (parameters[k + 1] - parameters[k - 1]);
+      curve.frames[k] = frame_at(window, parameters[k], options.sigma * h, options.local_linear);
+    }
+    curve.weights = shared_counts(clean, curve.parameters);
+    samples.curves.push_back(std::move(curve));
+  }
+  return samples;
+}
+
+}  // namespace batten

@@ -1,0 +1,55 @@
+#pragma once
+#include <vector>
+
+#include "batten/core/progress.hpp"
+#include "batten/scan/samples.hpp"
+
+namespace batten {
+
+/// Which energy is minimised.
+enum class RegressionEnergy {
+  /// S (3.30): ξ E_N + E_0 + λ E_1 + μ E_2, lengths measured in RegressionOptions::unit.
+  Thesis,
+  /// h ξ E_N + h E_0 + λ E_1 + μ E_2 with lengths measured in units of the size of the scan: the same weights
+  /// smooth as much at every resolution, size and unit (METHODS 3).
+  Scaled,
+};
+
+/// Options of regress_frames().
+struct RegressionOptions {
+  RegressionEnergy energy = RegressionEnergy::Scaled;
+  double lambda = 0;  ///< stretching, ≥ 0: half-power wavelength 2π√(λh) (thesis), 2π√λ (scaled)
+  double mu = 0;      ///< bending, ≥ 0: half-power wavelength 2π(μh)^¼ (thesis), 2πμ^¼ (scaled)
+  double xi = 10000;  ///< agreement of the normals at nodes, ≥ 0 (S 3.7.2)
+  double unit = 1;    ///< the length that counts as 1 in E_1 and E_2, in the unit of the scan, > 0
+  /// Geman–McClure loss on E_0 instead of the square: samples far off the curve lose their say. Its scale
+  /// comes from the residuals (median).
+  bool robust = false;
+  int max_iterations = 100;
+  double tolerance = 1e-10;  ///< stop when no frame turns by more, in radians
+};
+
+/// What the regression reached. Energies without their weights, as printed in S (3.27) and (3.29).
+struct RegressionReport {
+  int iterations = 0;
+  bool converged = false;
+  double energy = 0;  ///< the weighted sum that was minimised
+  double E_N = 0, E_0 = 0, E_1 = 0, E_2 = 0;
+  double robust_scale = 0;             ///< radians; 0 without the robust loss
+  std::vector<Eigen::VectorXd> trust;  ///< per curve and sample: 1 kept … 0 ignored by the robust loss
+};
+
+/// Smooths the frames of all curves at once (S 3.5.4), by Gauss–Newton with Levenberg's damping on SO(3)ᴺ,
+/// X ← X exp(δ^), with analytic Jacobians. Chordal E_0, E_1, skew E_2, with the forms of the errata where
+/// steps differ; closed curves with a smooth seam are periodic.
+/// @return `scan` with its frames replaced.
+/// @throws InvalidInput when a weight is negative or neighbouring frames differ by a right angle or more
+/// (where the skew form of E_2 is not monotone), SolverFailure, Cancelled.
+SampledScan regress_frames(const SampledScan& scan, const RegressionOptions& options,
+                           RegressionReport* report = nullptr, const Progress& progress = {});
+
+/// The energy of given frames: `frames` against the data `scan`. For tests and comparisons.
+RegressionReport regression_energy(const SampledScan& scan, const SampledScan& frames,
+                                   const RegressionOptions& options);
+
+}  // namespace batten

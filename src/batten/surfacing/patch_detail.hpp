@@ -1,0 +1,42 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "batten/core/arrays.hpp"
+#include "batten/network/curve_network.hpp"
+#include "batten/operators/intrinsic.hpp"
+#include "batten/surfacing/surface.hpp"
+
+namespace batten::detail {
+
+/// How a patch came to its triangles.
+enum class PatchLayout { Plane, Circle, Polygon, Space };
+
+/// The triangles of one patch, before anything is known of its shape but its loops.
+struct PatchMesh {
+  /// Network vertices used, in the order of the local numbers 0 … network_vertices.size() − 1.
+  std::vector<int> network_vertices;
+  int n_inner = 0;      ///< further vertices, numbered after them
+  Triangles triangles;  ///< local numbers
+  EdgeLengths lengths;  ///< of the layout, in diameters: the metric of the first Laplacian
+  PatchLayout layout = PatchLayout::Plane;
+};
+
+/// The network in units of its diameter with the centre of its box at the origin.
+struct ScaledNetwork {
+  Points positions, normals;
+  Eigen::RowVector3d centre;
+  double diameter = 0;
+};
+
+/// Fills the loops of a cycle with triangles of about `edge` length (in diameters; 0: the mean edge of the
+/// loops). Tries the wanted map, then the triangulation in space. `warning` says in words what was changed.
+/// @throws InvalidInput naming the patch when it cannot be filled.
+PatchMesh mesh_patch(const ScaledNetwork& network, const NetworkCycle& cycle, int patch, PatchMap map,
+                     double edge, std::string& warning);
+
+/// The same by the triangulation in space alone, for patches that folded over otherwise.
+PatchMesh mesh_patch_in_space(const ScaledNetwork& network, const NetworkCycle& cycle, int patch,
+                              double edge);
+
+}  // namespace batten::detail
