@@ -108,7 +108,8 @@ struct Deformer::Implementation {
   std::vector<int> unknowns;       ///< vertices to solve for; constrained ones too where they are soft
   std::vector<int> soft_unknowns;  ///< soft constraints: the unknown of each constrained vertex
   SparseMatrix known;         ///< u × c: moves hard targets to the right-hand side
-  SparseCholesky cholesky{"deformation"};
+  // Dragging lives on back-substitutions, and CHOLMOD's take all three coordinates in one pass over the factor.
+  SparseCholesky cholesky{"deformation", CholeskyBackend::Cholmod};
   double pull = 0;  ///< the soft weight as an entry of the matrix
 
   Points rest_vectors;  ///< K X: integrated Laplacian coordinates
