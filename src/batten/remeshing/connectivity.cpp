@@ -93,7 +93,8 @@ int RemeshState::split_long_edges(double ratio) {
     }
   std::sort(edges.begin(), edges.end());
   int splits = 0;
-  // Halves of long edges are long again: they join the end of the list.
+  // Halves that are still too long join the end of the list. The edges across do not: cutting them in any order
+  // need not end (between two far vertices the cuts can alternate for ever); they wait for the next round.
   for (std::size_t i = 0; i < edges.size(); ++i) {
     const int h = edges[i].halfedge;
     if (!(edge_length(h) > ratio * wanted_length(h))) continue;
@@ -111,10 +112,9 @@ int RemeshState::split_long_edges(double ratio) {
     const int m = mesh.split_edge(h, p);
     add_vertex(m, size_there, chain_there, place_there);
     ++splits;
-    mesh.for_each_outgoing(m, [&](int out) {
-      for (const int e : {out, HalfedgeMesh::prev(out)})
-        if (edge_length(e) > ratio * wanted_length(e)) edges.push_back({0, e});
-    });
+    // h kept the half at u.
+    for (const int half : {h, mesh.find(m, v), mesh.find(v, m)})
+      if (half != kNone && edge_length(half) > ratio * wanted_length(half)) edges.push_back({0, half});
   }
   return splits;
 }

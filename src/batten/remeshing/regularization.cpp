@@ -114,7 +114,7 @@ SparseMatrix relocation_matrix(const SparseMatrix& stiffness, const Points& posi
   SparseMatrix L = mean_matrix(stiffness, [&](Eigen::Index i, Eigen::Index j, double w) {
     const double f = weights.area * (surplus[j] - surplus[i]) +
                      weights.edge * (relative_length(i, j) - mean_length[i]);
-    return w / (1 + std::exp(-f / weights.sigma));
+    return (weights.cotangent ? w : 1.0) / (1 + std::exp(-f / weights.sigma));
   });
   if (weights.curvature > 0)
     for (Eigen::Index i = 0; i < n; ++i) {

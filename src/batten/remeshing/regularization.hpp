@@ -24,7 +24,12 @@ Eigen::VectorXd regularized_areas(const SparseMatrix& stiffness, const Eigen::Ve
 struct RelocationWeights {
   double area = 0.5;    ///< λ_1 of (2.44): the pull of neighbours with too much area
   double edge = 0.5;    ///< λ_2: the pull of neighbours far away
-  double sigma = 0.1;   ///< of the sigmoid (2.43)
+  /// σ of the sigmoid (2.43). H takes 0.1, which all but switches neighbours on and off: valence six on 63 % of
+  /// fandisk's vertices against 80 % with 1, and 46° as the mean smallest angle against 53°.
+  double sigma = 1.0;
+  /// w_ij of (1.18) as H has them, instead of 1 per edge. Cotangent weights leave every vertex of a flat
+  /// one-ring where it is, so that only the sigmoid moves it.
+  bool cotangent = false;
   /// α of g = 1 / (1 + (|H|/α)²) (2.41), H scaled to maximum 1: vertices more curved than this hardly move.
   /// 0 leaves g out.
   double curvature = 0;

@@ -17,6 +17,7 @@
 #include "batten/remeshing/feature_chains.hpp"
 #include "batten/remeshing/regularization.hpp"
 #include "batten/remeshing/size_field.hpp"
+#include "batten/remeshing/surface_fit.hpp"
 
 namespace batten {
 
@@ -250,8 +251,16 @@ class Remesher {
       }
       regularize(3);
     }
-    ScopedStage stage(times_, "connectivity");
-    state_->flip_for_angles(radians(20.0));
+    ScopedStage stage(times_, "fit");
+    for (int pass = 0; pass < 2; ++pass) {
+      const HalfedgeMesh::Compact compact = state_->mesh.compacted();
+      std::vector<char> fixed;
+      for (const int v : compact.vertices) fixed.push_back(state_->is_free(v) ? 0 : 1);
+      const Points fit = fitted_to_surface(compact.positions, compact.triangles, fixed, reference_->positions,
+                                           reference_->triangles);
+      for (std::size_t v = 0; v < compact.vertices.size(); ++v)
+        state_->mesh.set_position(compact.vertices[v], fit.row(static_cast<Eigen::Index>(v)));
+    }
   }
 
   RemeshOptions options_;
