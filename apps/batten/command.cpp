@@ -148,6 +148,8 @@ int run(int argc, char** argv) {
   // add_convert(app);
   // add_render(app);
   // add_info(app);
+  add_remesh(app);
+  add_deform(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& request) {  // --help, --version
