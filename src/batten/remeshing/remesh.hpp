@@ -21,14 +21,14 @@ enum class RemeshMethod {
 
 struct RemeshOptions {
   RemeshMethod method = RemeshMethod::Adaptive;
-  /// Edge length in the unit of the mesh. The result has as many vertices as a mesh of equilateral triangles of
-  /// this edge has on the same area. 0: the mean edge length of the input.
+  /// Edge length in the unit of the mesh. The result has as many vertices as triangles of this mean edge take on
+  /// the same area. 0: the mean edge length of the input.
   double edge_length = 0;
   /// Number of vertices, instead of an edge length; 0 leaves it to the edge length. Met within some 2 %.
   int n_vertices = 0;
   /// 0: edges of one length. 1: as fine as curvature asks (h ∝ κ^(−1/2), from a quarter to four times the
   /// length). See adaptive_sizes().
-  double adaptivity = 0.5;
+  double adaptivity = 0.3;
   /// Edges whose faces meet at more than this angle, and borders, are kept: their vertices stay on them.
   /// Radians, in (0, π]; π keeps only borders.
   double keep_edges = radians(30.0);
