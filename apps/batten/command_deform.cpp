@@ -52,7 +52,8 @@ Outcome run_deform(const DeformArguments& arguments, Context& context) {
     const ScopedStage stage(outcome.times, "factorise");
     deformer = std::make_unique<Deformer>(mesh.positions, mesh.triangles, handles.vertices(), options);
   }
-  if (options.energy == DeformationEnergy::TotalCurvature && deformer->curvature_term() < options.curvature_term)
+  if (options.energy == DeformationEnergy::TotalCurvature &&
+      deformer->curvature_term() < options.curvature_term)
     outcome.warnings.push_back(
         concat("the total curvature energy is indefinite on this shape: its curvature term was scaled by ",
                deformer->curvature_term()));
@@ -60,9 +61,10 @@ Outcome run_deform(const DeformArguments& arguments, Context& context) {
   {
     const ScopedStage stage(outcome.times, "deform");
     // A turn is made in parts of 45 degrees at most: beyond that the linear start folds the surface.
-    const int parts = options.detail == DetailPreservation::None
-                          ? 1
-                          : std::max(1, static_cast<int>(std::ceil(handles.largest_angle() / radians(45.0) - 1e-9)));
+    const int parts =
+        options.detail == DetailPreservation::None
+            ? 1
+            : std::max(1, static_cast<int>(std::ceil(handles.largest_angle() / radians(45.0) - 1e-9)));
     for (int part = 1; part <= parts; ++part) {
       const Points start = result.positions;
       result = deformer->deform(handles.targets(mesh.positions, static_cast<double>(part) / parts),

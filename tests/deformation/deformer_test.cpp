@@ -126,7 +126,8 @@ TEST(Deformer, LeavesTheShapeWhereItIsWhenHandlesStay) {
     }
 }
 
-// Translations are in the null space of every Laplacian: the linear solution is the translated shape, exactly.
+// Translations are in the null space of every Laplacian: the linear solution is the translated shape,
+// exactly.
 TEST(Deformer, CarriesTranslationsOverExactly) {
   const Tube tube = bumpy_tube(20, 3, 0.1, 0.2);
   const Eigen::RowVector3d shift(0.3, -2, 5);
@@ -153,7 +154,8 @@ TEST(Deformer, ShapeMatchingFollowsARigidMotion) {
     options.max_iterations = 1000;
     options.tolerance = 1e-9;
     const Deformer deformer(tube.positions, tube.triangles, tube.ends, options);
-    EXPECT_LT((deformer.deform(rows_of(expected, tube.ends)).positions - expected).cwiseAbs().maxCoeff(), 1e-5);
+    EXPECT_LT((deformer.deform(rows_of(expected, tube.ends)).positions - expected).cwiseAbs().maxCoeff(),
+              1e-5);
   }
 }
 
@@ -180,7 +182,8 @@ TEST(Deformer, SoftHandlesApproachHardOnes) {
   double previous = 1e9;
   for (const double weight : {1.0, 100.0, 1e4}) {
     options.soft_weight = weight;
-    const Points soft = Deformer(tube.positions, tube.triangles, tube.ends, options).deform(targets).positions;
+    const Points soft =
+        Deformer(tube.positions, tube.triangles, tube.ends, options).deform(targets).positions;
     const double difference = (soft - hard).norm();
     EXPECT_LT(difference, previous / 10);
     previous = difference;
@@ -219,7 +222,8 @@ TEST(NearestRotation, FindsTheRotationOfAPolarProduct) {
 
 // A mirrored set has no rotation that fits; the result must still be one.
 TEST(NearestRotation, IsARotationForMirroredAndFlatSets) {
-  for (const Vector3d& diagonal : {Vector3d(1, 1, -1), Vector3d(3, 2, 0), Vector3d(1, 0, 0), Vector3d(-1, -1, -1)}) {
+  for (const Vector3d& diagonal :
+       {Vector3d(1, 1, -1), Vector3d(3, 2, 0), Vector3d(1, 0, 0), Vector3d(-1, -1, -1)}) {
     const Matrix3d R = nearest_rotation(diagonal.asDiagonal().toDenseMatrix());
     EXPECT_NEAR(R.determinant(), 1, 1e-12);
     EXPECT_LT((R * R.transpose() - Matrix3d::Identity()).norm(), 1e-12);

@@ -55,7 +55,8 @@ TriangleMesh cube(int n) {
         }
   TriangleMesh mesh;
   mesh.positions.resize(static_cast<Eigen::Index>(points.size()), 3);
-  for (std::size_t v = 0; v < points.size(); ++v) mesh.positions.row(static_cast<Eigen::Index>(v)) = points[v];
+  for (std::size_t v = 0; v < points.size(); ++v)
+    mesh.positions.row(static_cast<Eigen::Index>(v)) = points[v];
   mesh.triangles.resize(static_cast<Eigen::Index>(faces.size()), 3);
   for (std::size_t f = 0; f < faces.size(); ++f)
     mesh.triangles.row(static_cast<Eigen::Index>(f)) << faces[f][0], faces[f][1], faces[f][2];

@@ -107,8 +107,9 @@ struct Deformer::Implementation {
 
   std::vector<int> unknowns;       ///< vertices to solve for; constrained ones too where they are soft
   std::vector<int> soft_unknowns;  ///< soft constraints: the unknown of each constrained vertex
-  SparseMatrix known;         ///< u × c: moves hard targets to the right-hand side
-  // Dragging lives on back-substitutions, and CHOLMOD's take all three coordinates in one pass over the factor.
+  SparseMatrix known;              ///< u × c: moves hard targets to the right-hand side
+  // Dragging lives on back-substitutions, and CHOLMOD's take all three coordinates in one pass over the
+  // factor.
   SparseCholesky cholesky{"deformation", CholeskyBackend::Cholmod};
   double pull = 0;  ///< the soft weight as an entry of the matrix
 
@@ -244,7 +245,8 @@ Deformer::Deformer(const Points& positions, const Triangles& triangles, std::vec
     if (v < 0 || v >= n)
       throw InvalidInput(
           concat("constraint ", c, " names vertex ", v, ", but the mesh has the vertices 0 to ", n - 1));
-    if (index_of_known[v] >= 0) throw InvalidInput(concat("vertex ", v, " is constrained twice; name it once"));
+    if (index_of_known[v] >= 0)
+      throw InvalidInput(concat("vertex ", v, " is constrained twice; name it once"));
     index_of_known[v] = static_cast<int>(c);
   }
   const EdgeLengths lengths = edge_lengths(positions, triangles);
@@ -257,8 +259,9 @@ Deformer::Deformer(const Points& positions, const Triangles& triangles, std::vec
     for (int k = 0; k < 3; ++k) used[triangles(f, k)] = 1;
   for (Eigen::Index v = 0; v < n; ++v)
     if (used[v] && !held[part[v]])
-      throw InvalidInput(concat("the part of the mesh around vertex ", v,
-                                " has no fixed vertex and no handle, so its place is open; select some of it"));
+      throw InvalidInput(
+          concat("the part of the mesh around vertex ", v,
+                 " has no fixed vertex and no handle, so its place is open; select some of it"));
   const bool soft = options.soft_weight > 0;
   for (Eigen::Index v = 0; v < n; ++v)
     // A vertex without triangles is nothing to the energy: it stays unless it is constrained.
@@ -273,8 +276,8 @@ Deformer::Deformer(const Points& positions, const Triangles& triangles, std::vec
 
   const bool gauss_newton = options.detail == DetailPreservation::GaussNewton;
   self.bending = options.energy == DeformationEnergy::Stretch ? 0 : 1;
-  // GaussNewton adds λ_2 times the bending energy (2.67) to the matrix; Stretch has none to compare it with and
-  // takes it at the size of the mesh.
+  // GaussNewton adds λ_2 times the bending energy (2.67) to the matrix; Stretch has none to compare it with
+  // and takes it at the size of the mesh.
   const double detail = gauss_newton ? options.detail_weight : 0;
   if (options.energy == DeformationEnergy::Stretch) {
     self.second_order = self.K;
@@ -303,8 +306,8 @@ Deformer::Deformer(const Points& positions, const Triangles& triangles, std::vec
       if (!curvatures.on_border[v])
         G[v] = std::max(0.0, curvatures.mean[v] * curvatures.mean[v] - curvatures.gaussian[v]);
     const SparseMatrix K_G = weighted_stiffness(self.K, G);
-    // The second variation of (2.60) is positive only where curved regions are small; halve the term until the
-    // whole is. Seven halvings leave less than a hundredth: then it is dropped.
+    // The second variation of (2.60) is positive only where curved regions are small; halve the term until
+    // the whole is. Seven halvings leave less than a hundredth: then it is dropped.
     self.curvature_term = options.curvature_term;
     for (int halving = 0;; ++halving) {
       if (halving == 7) self.curvature_term = 0;
@@ -367,7 +370,8 @@ Deformer::Result Deformer::deform(const Points& targets, const Points* start,
   while (!result.report.converged && result.report.iterations < self.options.max_iterations) {
     Points next;
     if (gauss_newton) {
-      next = self.solve(constant + self.detail_forces(result.positions, rotations), targets, result.positions);
+      next =
+          self.solve(constant + self.detail_forces(result.positions, rotations), targets, result.positions);
     } else {
       fit_local_rotations(self.K, self.rest, result.positions, rotations);
       next = self.solve(self.turned_rest(rotations), targets, result.positions);

@@ -32,11 +32,11 @@ enum class DetailPreservation {
 struct DeformOptions {
   DeformationEnergy energy = DeformationEnergy::TotalCurvature;
   DetailPreservation detail = DetailPreservation::GaussNewton;
-  /// 0: handles are met exactly (hard constraints). Positive: they pull, with this weight relative to the mean
-  /// diagonal entry of the energy's matrix (2.63–2.66); 1 is a gentle pull, 1e4 all but exact.
+  /// 0: handles are met exactly (hard constraints). Positive: they pull, with this weight relative to the
+  /// mean diagonal entry of the energy's matrix (2.63–2.66); 1 is a gentle pull, 1e4 all but exact.
   double soft_weight = 0;
-  /// Combined: ℓ = √(k_b / k_s) as a fraction of the bounding-box diagonal, positive. Bending rules below this
-  /// size, stretching above.
+  /// Combined: ℓ = √(k_b / k_s) as a fraction of the bounding-box diagonal, positive. Bending rules below
+  /// this size, stretching above.
   double bending_length = 0.1;
   /// TotalCurvature: factor of its curvature term, [0, 1]. The operator may be indefinite (ERRATA): then the
   /// factor is halved until it is positive definite, and DeformReport says so. 0 is Bend.
@@ -44,10 +44,10 @@ struct DeformOptions {
   /// GaussNewton: λ_2 of (2.67) relative to the bending energy, positive. Small values let the displacement
   /// energy drag details towards their old direction.
   double detail_weight = 1000;
-  /// GaussNewton: length ℓ, as a fraction of the bounding-box diagonal, in the membrane term λ_2/ℓ² Σ w ‖e' − R e‖²
-  /// over edges e that turn with their one-rings; 0 leaves it out, as H does. Without it a twist gathers in the
-  /// middle between its handles (θ'' = 0 there only in the mean) and nothing resists shear; well below 0.1
-  /// a bent tube ovalises rather than stretch.
+  /// GaussNewton: length ℓ, as a fraction of the bounding-box diagonal, in the membrane term λ_2/ℓ² Σ w ‖e' −
+  /// R e‖² over edges e that turn with their one-rings; 0 leaves it out, as H does. Without it a twist
+  /// gathers in the middle between its handles (θ'' = 0 there only in the mean) and nothing resists shear;
+  /// well below 0.1 a bent tube ovalises rather than stretch.
   double membrane_length = 0.1;
   /// Most iterations of the detail preservation, at least 1.
   int max_iterations = 200;
@@ -87,8 +87,8 @@ class Deformer {
   Result deform(const Points& targets, const Points* start = nullptr, const Progress& progress = {}) const;
 
   const std::vector<int>& constrained() const;
-  /// The factor of the curvature term in use: below DeformOptions::curvature_term where the operator would have
-  /// been indefinite. 0 for other energies.
+  /// The factor of the curvature term in use: below DeformOptions::curvature_term where the operator would
+  /// have been indefinite. 0 for other energies.
   double curvature_term() const;
 
  private:

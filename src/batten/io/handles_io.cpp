@@ -49,7 +49,8 @@ class HandleReader {
   }
 
   std::vector<double> numbers(const Json& json, const std::string& place, std::size_t count) const {
-    if (!json.is_array() || json.size() != count) fail(concat(place, " must be a list of ", count, " numbers"));
+    if (!json.is_array() || json.size() != count)
+      fail(concat(place, " must be a list of ", count, " numbers"));
     std::vector<double> values;
     for (const Json& value : json) {
       if (!value.is_number() || !std::isfinite(value.get<double>()))
@@ -80,7 +81,8 @@ class HandleReader {
     } else if (json.contains("box")) {
       const Json& box = json["box"];
       if (!box.is_array() || box.size() != 2) fail(concat(place, ".box must be a list of two corners"));
-      const Vector3d a = vector(box[0], concat(place, ".box[0]")), b = vector(box[1], concat(place, ".box[1]"));
+      const Vector3d a = vector(box[0], concat(place, ".box[0]")),
+                     b = vector(box[1], concat(place, ".box[1]"));
       const Vector3d low = a.cwiseMin(b), high = a.cwiseMax(b);
       for (Eigen::Index v = 0; v < positions_.rows(); ++v) {
         const Vector3d p = positions_.row(v);
@@ -114,10 +116,12 @@ class HandleReader {
         fail(concat(place, ".targets must be a list of ", motion.vertices.size(), " points, one per vertex"));
       motion.targets.resize(static_cast<Eigen::Index>(targets.size()), 3);
       for (std::size_t i = 0; i < targets.size(); ++i)
-        motion.targets.row(static_cast<Eigen::Index>(i)) = vector(targets[i], concat(place, ".targets[", i, "]"));
+        motion.targets.row(static_cast<Eigen::Index>(i)) =
+            vector(targets[i], concat(place, ".targets[", i, "]"));
       return motion;
     }
-    if (json.contains("translate")) motion.translation = vector(json["translate"], concat(place, ".translate"));
+    if (json.contains("translate"))
+      motion.translation = vector(json["translate"], concat(place, ".translate"));
     if (json.contains("about")) motion.about = vector(json["about"], concat(place, ".about"));
     if (json.contains("rotate_deg")) {
       const std::vector<double> values = numbers(json["rotate_deg"], concat(place, ".rotate_deg"), 4);

@@ -36,7 +36,8 @@ struct Handles {
 /// [ax,ay,az,angle], "about": [x,y,z]} or {"select": SELECT, "targets": [[x,y,z], …]}]}, with SELECT one of
 /// {"vertices": […]}, {"box": [[x,y,z],[x,y,z]]} and {"sphere": [x,y,z,r]} (borders of both belong to them).
 /// "fixed" may be left out, and "about" (then the origin).
-/// @throws FileError naming the member: unknown or wrong, a selection without vertices, a vertex selected twice.
+/// @throws FileError naming the member: unknown or wrong, a selection without vertices, a vertex selected
+/// twice.
 Handles read_handles(const std::string& path, const Points& positions);
 
 }  // namespace batten

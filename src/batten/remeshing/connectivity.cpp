@@ -93,8 +93,9 @@ int RemeshState::split_long_edges(double ratio) {
     }
   std::sort(edges.begin(), edges.end());
   int splits = 0;
-  // Halves that are still too long join the end of the list. The edges across do not: cutting them in any order
-  // need not end (between two far vertices the cuts can alternate for ever); they wait for the next round.
+  // Halves that are still too long join the end of the list. The edges across do not: cutting them in any
+  // order need not end (between two far vertices the cuts can alternate for ever); they wait for the next
+  // round.
   for (std::size_t i = 0; i < edges.size(); ++i) {
     const int h = edges[i].halfedge;
     if (!(edge_length(h) > ratio * wanted_length(h))) continue;
@@ -137,7 +138,8 @@ bool RemeshState::collapse_is_sound(int h, const Vector3d& p, double longest) co
       if (face == f || face == g) return;
       const Vector3d old_normal = mesh.area_normal(face), new_normal = (b - p).cross(c - p);
       // 0.5: no face turns by more than 60°. Faces without area have nothing to turn.
-      if (old_normal.norm() > 0 && !(old_normal.dot(new_normal) > 0.5 * old_normal.norm() * new_normal.norm()))
+      if (old_normal.norm() > 0 &&
+          !(old_normal.dot(new_normal) > 0.5 * old_normal.norm() * new_normal.norm()))
         sound = false;
       after = std::min(after, smallest_angle(p, b, c));
       const double wanted = 0.5 * (size[mesh.to(out)] + size[v]);
@@ -234,7 +236,8 @@ void RemeshState::relax_chains(double share) {
   }
   place = std::move(moved);
   for (int v = 0; v < mesh.vertex_capacity(); ++v)
-    if (mesh.has_vertex(v) && chain[v] != kNone) mesh.set_position(v, features_->chains[chain[v]].at(place[v]));
+    if (mesh.has_vertex(v) && chain[v] != kNone)
+      mesh.set_position(v, features_->chains[chain[v]].at(place[v]));
 }
 
 int RemeshState::flip_for_valence(double turn, double least_angle) {
@@ -249,7 +252,8 @@ int RemeshState::flip_for_valence(double turn, double least_angle) {
       angles += angle_between(mesh.position(mesh.to(h)) - mesh.position(v),
                               mesh.position(mesh.tip(h)) - mesh.position(v));
     });
-    best[v] = std::max(1, static_cast<int>(std::lround(angles / radians(60.0)))) + (mesh.is_border_vertex(v) ? 1 : 0);
+    best[v] = std::max(1, static_cast<int>(std::lround(angles / radians(60.0)))) +
+              (mesh.is_border_vertex(v) ? 1 : 0);
   }
   const auto excess = [&](int v, int change) {
     const int e = valence[v] + change - best[v];
@@ -259,8 +263,8 @@ int RemeshState::flip_for_valence(double turn, double least_angle) {
   for (int h = 0; h < mesh.halfedge_capacity(); ++h) {
     if (!mesh.is_representative(h) || mesh.is_marked(h) || mesh.is_border_edge(h)) continue;
     const int u = mesh.from(h), v = mesh.to(h), w = mesh.tip(h), x = mesh.tip(mesh.opposite(h));
-    const int gain = excess(u, 0) + excess(v, 0) + excess(w, 0) + excess(x, 0) - excess(u, -1) - excess(v, -1) -
-                     excess(w, 1) - excess(x, 1);
+    const int gain = excess(u, 0) + excess(v, 0) + excess(w, 0) + excess(x, 0) - excess(u, -1) -
+                     excess(v, -1) - excess(w, 1) - excess(x, 1);
     if (gain <= 0 || valence[u] <= 3 || valence[v] <= 3) continue;
     double before = 0, after = 0;
     if (!flip_is_sound(h, turn, &before, &after) || after < std::min(before, least_angle)) continue;

@@ -9,8 +9,8 @@ namespace batten {
 
 /// One feature curve of a surface: a polyline between two different corners, given by arc length.
 struct FeatureChain {
-  std::vector<int> vertices;     ///< of the input, from corner to corner
-  std::vector<double> lengths;   ///< arc length at each vertex, from 0
+  std::vector<int> vertices;    ///< of the input, from corner to corner
+  std::vector<double> lengths;  ///< arc length at each vertex, from 0
   std::vector<Eigen::Vector3d> points;
 
   double length() const { return lengths.back(); }
@@ -39,9 +39,9 @@ struct FeatureOptions {
   double least_length = 0;
 };
 
-/// Marks borders and creases in `mesh` (which may hold marks: these are kept too) and cuts them into chains at
-/// corners: where the number of marked edges is not 2 and where the curve turns sharply. Closed curves without
-/// corners get two, since every chain runs between two of them.
+/// Marks borders and creases in `mesh` (which may hold marks: these are kept too) and cuts them into chains
+/// at corners: where the number of marked edges is not 2 and where the curve turns sharply. Closed curves
+/// without corners get two, since every chain runs between two of them.
 FeatureChains mark_features(HalfedgeMesh& mesh, const FeatureOptions& options);
 
 }  // namespace batten

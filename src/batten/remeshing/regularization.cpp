@@ -95,8 +95,8 @@ SparseMatrix relocation_matrix(const SparseMatrix& stiffness, const Points& posi
                                const RelocationWeights& weights) {
   const Eigen::VectorXd H = scaled_to_one(curvature);
   const Eigen::Index n = positions.rows();
-  // Relative to the wanted area of each vertex, so that fine and coarse parts weigh alike; with even sizes this
-  // is the printed form up to the mean area.
+  // Relative to the wanted area of each vertex, so that fine and coarse parts weigh alike; with even sizes
+  // this is the printed form up to the mean area.
   const Eigen::VectorXd surplus = (areas - wanted).cwiseQuotient(wanted);
   const auto relative_length = [&](Eigen::Index i, Eigen::Index j) {
     return (positions.row(i) - positions.row(j)).norm() / (0.5 * (lengths[i] + lengths[j]));
@@ -112,8 +112,8 @@ SparseMatrix relocation_matrix(const SparseMatrix& stiffness, const Points& posi
     if (neighbours > 0) mean_length[i] /= neighbours;
   }
   SparseMatrix L = mean_matrix(stiffness, [&](Eigen::Index i, Eigen::Index j, double w) {
-    const double f = weights.area * (surplus[j] - surplus[i]) +
-                     weights.edge * (relative_length(i, j) - mean_length[i]);
+    const double f =
+        weights.area * (surplus[j] - surplus[i]) + weights.edge * (relative_length(i, j) - mean_length[i]);
     return (weights.cotangent ? w : 1.0) / (1 + std::exp(-f / weights.sigma));
   });
   if (weights.curvature > 0)
@@ -126,8 +126,7 @@ SparseMatrix relocation_matrix(const SparseMatrix& stiffness, const Points& posi
 
 SparseMatrix laplacian_flow_matrix(const SparseMatrix& stiffness, const Eigen::VectorXd& areas,
                                    const Eigen::VectorXd& shares) {
-  return mean_matrix(stiffness,
-                     [&](Eigen::Index, Eigen::Index j, double) { return areas[j] / shares[j]; });
+  return mean_matrix(stiffness, [&](Eigen::Index, Eigen::Index j, double) { return areas[j] / shares[j]; });
 }
 
 Points relocated(const SparseMatrix& L, const Points& positions, const Points& normals,

@@ -22,10 +22,10 @@ Eigen::VectorXd regularized_areas(const SparseMatrix& stiffness, const Eigen::Ve
                                   double sigma = 0.05);
 
 struct RelocationWeights {
-  double area = 0.5;    ///< λ_1 of (2.44): the pull of neighbours with too much area
-  double edge = 0.5;    ///< λ_2: the pull of neighbours far away
-  /// σ of the sigmoid (2.43). H takes 0.1, which all but switches neighbours on and off: valence six on 63 % of
-  /// fandisk's vertices against 80 % with 1, and 46° as the mean smallest angle against 53°.
+  double area = 0.5;  ///< λ_1 of (2.44): the pull of neighbours with too much area
+  double edge = 0.5;  ///< λ_2: the pull of neighbours far away
+  /// σ of the sigmoid (2.43). H takes 0.1, which all but switches neighbours on and off: valence six on 63 %
+  /// of fandisk's vertices against 80 % with 1, and 46° as the mean smallest angle against 53°.
   double sigma = 1.0;
   /// w_ij of (1.18) as H has them, instead of 1 per edge. Cotangent weights leave every vertex of a flat
   /// one-ring where it is, so that only the sigmoid moves it.
@@ -49,7 +49,7 @@ SparseMatrix laplacian_flow_matrix(const SparseMatrix& stiffness, const Eigen::V
 /// X + τ (I − N Nᵀ) L X (2.45), `steps` times with τ = `share` as long as that moves a vertex by at most 0.1
 /// wanted lengths (2.48, per vertex: one bad vertex does not hold up the rest). Vertices with `fixed` stay.
 Points relocated(const SparseMatrix& L, const Points& positions, const Points& normals,
-                 const Eigen::VectorXd& lengths, const std::vector<char>& fixed, int steps, double share = 1.0,
-                 double most = 0.1);
+                 const Eigen::VectorXd& lengths, const std::vector<char>& fixed, int steps,
+                 double share = 1.0, double most = 0.1);
 
 }  // namespace batten

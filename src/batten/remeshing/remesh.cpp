@@ -37,7 +37,8 @@ void check(const TriangleMesh& mesh, const RemeshOptions& options) {
   if (mesh.n_triangles() == 0) throw InvalidInput("there are no triangles to remesh");
   if (!(options.edge_length >= 0) || !std::isfinite(options.edge_length))
     throw InvalidInput(concat("edge_length must be positive, got ", options.edge_length));
-  if (options.n_vertices < 0) throw InvalidInput(concat("n_vertices must be positive, got ", options.n_vertices));
+  if (options.n_vertices < 0)
+    throw InvalidInput(concat("n_vertices must be positive, got ", options.n_vertices));
   if (options.n_vertices > 0 && options.edge_length > 0)
     throw InvalidInput("give either an edge length or a number of vertices, not both");
   if (!(options.adaptivity >= 0 && options.adaptivity <= 1))
@@ -47,7 +48,8 @@ void check(const TriangleMesh& mesh, const RemeshOptions& options) {
                               degrees(options.keep_edges), " degrees"));
   if (options.max_iterations < 1)
     throw InvalidInput(concat("max_iterations must be at least 1, got ", options.max_iterations));
-  if (!(options.tolerance >= 0)) throw InvalidInput(concat("tolerance must be at least 0, got ", options.tolerance));
+  if (!(options.tolerance >= 0))
+    throw InvalidInput(concat("tolerance must be at least 0, got ", options.tolerance));
   if (options.sizes.size() != 0) {
     if (options.sizes.size() != mesh.n_vertices())
       throw InvalidInput(concat("there are ", options.sizes.size(), " sizes, but the mesh has ",
@@ -102,8 +104,8 @@ struct Reference {
   Reference(const HalfedgeMesh::Compact& compact, const Eigen::VectorXd& sizes_of_halfedge_mesh)
       : positions(compact.positions), triangles(compact.triangles), tree(positions, triangles) {
     sizes.resize(positions.rows());
-    for (std::size_t v = 0; v < compact.vertices.size(); ++v) sizes[static_cast<Eigen::Index>(v)] =
-        sizes_of_halfedge_mesh[compact.vertices[v]];
+    for (std::size_t v = 0; v < compact.vertices.size(); ++v)
+      sizes[static_cast<Eigen::Index>(v)] = sizes_of_halfedge_mesh[compact.vertices[v]];
   }
   double size_at(const ClosestPoint& point) const {
     double size = 0;
@@ -135,7 +137,8 @@ class Remesher {
 
     Eigen::VectorXd sizes;
     if (options.sizes.size() == 0) {
-      sizes = adaptive_sizes(mesh, curvature_magnitude(mesh, features_), length, options.adaptivity, kGradation);
+      sizes =
+          adaptive_sizes(mesh, curvature_magnitude(mesh, features_), length, options.adaptivity, kGradation);
     } else {
       sizes.resize(mesh.vertex_capacity());
       for (int v = 0; v < mesh.vertex_capacity(); ++v) sizes[v] = options.sizes[mesh.source_vertex(v)];
@@ -248,7 +251,8 @@ class Remesher {
 
   void finish() {
     for (int round = 0; round < 3; ++round) {
-      progress_.report("remeshing", static_cast<double>(options_.max_iterations) / (options_.max_iterations + 2));
+      progress_.report("remeshing",
+                       static_cast<double>(options_.max_iterations) / (options_.max_iterations + 2));
       {
         ScopedStage stage(times_, "connectivity");
         state_->flip_for_angles(radians(20.0));

@@ -21,8 +21,8 @@ enum class RemeshMethod {
 
 struct RemeshOptions {
   RemeshMethod method = RemeshMethod::Adaptive;
-  /// Edge length in the unit of the mesh. The result has as many vertices as triangles of this mean edge take on
-  /// the same area. 0: the mean edge length of the input.
+  /// Edge length in the unit of the mesh. The result has as many vertices as triangles of this mean edge take
+  /// on the same area. 0: the mean edge length of the input.
   double edge_length = 0;
   /// Number of vertices, instead of an edge length; 0 leaves it to the edge length. Met within some 2 %.
   int n_vertices = 0;
@@ -32,8 +32,8 @@ struct RemeshOptions {
   /// Edges whose faces meet at more than this angle, and borders, are kept: their vertices stay on them.
   /// Radians, in (0, π]; π keeps only borders.
   double keep_edges = radians(30.0);
-  /// A wanted edge length per vertex of the input (n values, positive, unit of the mesh), or empty. Instead of
-  /// curvature; scaled only where n_vertices is given.
+  /// A wanted edge length per vertex of the input (n values, positive, unit of the mesh), or empty. Instead
+  /// of curvature; scaled only where n_vertices is given.
   Eigen::VectorXd sizes;
   /// Most rounds of STEP 0 to 2, at least 1.
   int max_iterations = 10;
@@ -44,9 +44,9 @@ struct RemeshOptions {
 
 struct RemeshReport {
   int iterations = 0;
-  bool converged = false;           ///< stopped by the tolerance
-  int feature_edges = 0;            ///< kept edges in the result, borders included
-  int corners = 0;                  ///< vertices that were never moved
+  bool converged = false;             ///< stopped by the tolerance
+  int feature_edges = 0;              ///< kept edges in the result, borders included
+  int corners = 0;                    ///< vertices that were never moved
   std::vector<double> area_variance;  ///< Var(A) / (N Ā²) of relative areas after every round
   double target_vertices = 0;
 };
@@ -59,11 +59,12 @@ struct RemeshResult {
 
 /// Replaces the triangles of a surface by better ones of about the wanted size.
 ///
-/// Rounds of splits, collapses and flips, of area diffusion and of tangential relocation (H 2.2.2), each closed
-/// by a projection to the input surface; then the vertices are moved along their normals to where the
+/// Rounds of splits, collapses and flips, of area diffusion and of tangential relocation (H 2.2.2), each
+/// closed by a projection to the input surface; then the vertices are moved along their normals to where the
 /// new triangles fit the old surface best in the least-squares sense.
 /// Vertices on kept edges move along the input's feature curves, corners stay.
 /// @throws InvalidInput when the mesh is empty or not an oriented manifold, or an option is out of range.
-RemeshResult remesh(const TriangleMesh& mesh, const RemeshOptions& options = {}, const Progress& progress = {});
+RemeshResult remesh(const TriangleMesh& mesh, const RemeshOptions& options = {},
+                    const Progress& progress = {});
 
 }  // namespace batten

@@ -20,8 +20,8 @@ double face_area(const HalfedgeMesh& mesh, int f) {
   return 0.5 * mesh.area_normal(f).norm();
 }
 
-/// Unit normals per corner 3f + k: the mean over the faces around the corner's vertex that are reached without
-/// crossing a marked edge.
+/// Unit normals per corner 3f + k: the mean over the faces around the corner's vertex that are reached
+/// without crossing a marked edge.
 std::vector<Vector3d> corner_normals(const HalfedgeMesh& mesh) {
   std::vector<Vector3d> normals(mesh.halfedge_capacity(), Vector3d::Zero());
   std::vector<int> ring;
@@ -89,7 +89,8 @@ Eigen::VectorXd curvature_magnitude(const HalfedgeMesh& mesh, const FeatureChain
       if (weight[v] > 0) result[v] /= weight[v];
     for (int f = 0; f < m; ++f)
       if (mesh.has_face(f))
-        squared[f] = (result[mesh.from(3 * f)] + result[mesh.from(3 * f + 1)] + result[mesh.from(3 * f + 2)]) / 3;
+        squared[f] =
+            (result[mesh.from(3 * f)] + result[mesh.from(3 * f + 1)] + result[mesh.from(3 * f + 2)]) / 3;
   }
   result = result.cwiseSqrt();
   for (const FeatureChain& chain : chains.chains)
@@ -146,9 +147,9 @@ Eigen::VectorXd adaptive_sizes(const HalfedgeMesh& mesh, const Eigen::VectorXd& 
   const auto sizes_for = [&](double factor) {
     Eigen::VectorXd sizes(n);
     for (Eigen::Index v = 0; v < n; ++v)
-      sizes[v] = mean_length * std::clamp(factor * std::pow(std::max(curvature[v] * mean_length, 1e-9),
-                                                            -adaptivity / 2),
-                                          1 / range, range);
+      sizes[v] = mean_length *
+                 std::clamp(factor * std::pow(std::max(curvature[v] * mean_length, 1e-9), -adaptivity / 2),
+                            1 / range, range);
     return sizes;
   };
   // The count falls with the factor: bisect its logarithm.

@@ -79,9 +79,9 @@ Points fitted_to_surface(const Points& positions, const Triangles& triangles, co
                                    normal.cross(corners.a - corners.c) / doubled,
                                    normal.cross(corners.b - corners.a) / doubled};
     for (int k = 0; k < 3; ++k) {
-      right[triangles(f, k)] +=
-          weights[s] * (row[k] * residual - slope_weight * gradients[k].dot(turn));
-      for (int l = 0; l < 3; ++l) block[f](k, l) += weights[s] * slope_weight * gradients[k].dot(gradients[l]);
+      right[triangles(f, k)] += weights[s] * (row[k] * residual - slope_weight * gradients[k].dot(turn));
+      for (int l = 0; l < 3; ++l)
+        block[f](k, l) += weights[s] * slope_weight * gradients[k].dot(gradients[l]);
     }
   }
   for (Eigen::Index f = 0; f < m; ++f)

@@ -7,8 +7,8 @@ namespace batten {
 
 /// What a fit minimises.
 struct SurfaceFitOptions {
-  /// Weight of the normals, in mean edge lengths squared: with 1 a slope of one part in a hundred over an edge
-  /// counts as much as a distance of a hundredth of it. At least 0.
+  /// Weight of the normals, in mean edge lengths squared: with 1 a slope of one part in a hundred over an
+  /// edge counts as much as a distance of a hundredth of it. At least 0.
   double normals = 0.1;
   /// No vertex moves by more than this many lengths of its shortest edge.
   double most = 0.25;
