@@ -42,7 +42,7 @@ endfunction()
 # Warnings and sanitizers of our own code; not passed on to those who use the installed package.
 add_library(batten_warnings INTERFACE)
 target_compile_options(batten_warnings INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Werror
-                       $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized -Wno-array-bounds -Wno-stringop-overflow>)
+                       $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized -Wno-array-bounds -Wno-stringop-overflow -Wno-restrict>)
 if(BATTEN_SANITIZE)
   # -O1: the suite runs five times faster than at -O0 and finds the same errors.
   add_compile_options(-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer -O1 -g1)

@@ -1,5 +1,7 @@
 #include "command.hpp"
 
+#include "report_page.hpp"
+
 #include <atomic>
 #include <chrono>
 #include <csignal>
@@ -25,6 +27,7 @@ struct Chosen {
   CLI::App* command = nullptr;
   Work work;
   bool json = false;
+  std::string report;  ///< path of the HTML report, or empty
 };
 Chosen chosen;
 
@@ -66,8 +69,7 @@ Json option_values(const CLI::App& command) {
   Json values = Json::object();
   for (const CLI::Option* option : command.get_options()) {
     const std::string name = option->get_single_name();
-    if (name == "help" || name == "json") continue;
-    values[name] = option_value(*option);
+    if (name != "help" && name != "json") values[name] = option_value(*option);
   }
   return values;
 }
@@ -101,6 +103,7 @@ int run_chosen() {
   context.progress = terminal_progress();
   try {
     const Outcome outcome = chosen.work(context);
+    if (!chosen.report.empty()) write_report(chosen.report, *chosen.command, outcome, context.progress);
     clear_progress_line();
     print(outcome);
     std::cout.flush();
@@ -126,6 +129,8 @@ CLI::App* add_command(CLI::App& app, const std::string& name, const std::string&
   CLI::App* command = app.add_subcommand(name, description);
   command->footer("Example:\n  " + example);
   command->add_flag("--json", chosen.json, "Print exactly one JSON object to standard output");
+  command->add_option("--report", chosen.report,
+                      "Write an HTML report with pictures, figures, stage times and options");
   command->option_defaults()->always_capture_default();
   command->callback([command, work = std::move(work)] {
     chosen.command = command;
@@ -134,20 +139,32 @@ CLI::App* add_command(CLI::App& app, const std::string& name, const std::string&
   return command;
 }
 
+CLI::Validator parses(const std::string& form, std::function<void(const std::string&)> parse) {
+  return {[parse = std::move(parse)](std::string& text) {
+            try {
+              parse(text);
+            } catch (const InvalidInput& error) {
+              return std::string(error.what());
+            }
+            return std::string();
+          },
+          form};
+}
+
 int run(int argc, char** argv) {
   std::signal(SIGINT, [](int) { interrupted = true; });
   CLI::App app("Batten turns curves traced on an object into a fair surface.", "batten");
   app.require_subcommand(1);
   app.set_version_flag("--version", "batten " BATTEN_VERSION);
-  // add_simulate(app);
-  // add_calibrate(app);
-  // add_network(app);
-  // add_surface(app);
-  // add_reconstruct(app);
+  add_simulate(app);
+  add_calibrate(app);
+  add_network(app);
+  add_surface(app);
+  add_reconstruct(app);
   add_compare(app);
-  // add_convert(app);
-  // add_render(app);
-  // add_info(app);
+  add_convert(app);
+  add_render(app);
+  add_info(app);
   add_remesh(app);
   add_deform(app);
   try {

@@ -1,5 +1,6 @@
 #pragma once
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -9,10 +10,21 @@
 
 #include "batten/core/progress.hpp"
 #include "batten/core/stage_times.hpp"
+#include "batten/mesh/triangle_mesh.hpp"
+#include "batten/network/curve_network.hpp"
 
 namespace batten::cli {
 
 using Json = nlohmann::ordered_json;
+
+/// What the report of a run draws.
+struct Exhibit {
+  std::optional<TriangleMesh> mesh;
+  std::optional<CurveNetwork> network;
+  /// Distances to a truth per vertex of the mesh, or of the network where there is no mesh, in per cent of
+  /// the diameter of the truth; empty without a truth.
+  Eigen::VectorXd errors;
+};
 
 /// What every command gives back: the one object printed by --json, or the lines printed without it.
 struct Outcome {
@@ -20,6 +32,7 @@ struct Outcome {
   StageTimes times;                   ///< becomes "seconds"
   std::vector<std::string> warnings;  ///< becomes "warnings"; printed to stderr without --json
   std::vector<std::string> lines;     ///< printed to stdout without --json
+  Exhibit exhibit;                    ///< drawn by --report; may be empty
 };
 
 /// The surroundings of a command that runs.
@@ -34,6 +47,10 @@ using Work = std::function<Outcome(Context&)>;
 /// @param example one line, shown at the end of --help.
 CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& description,
                       const std::string& example, Work work);
+
+/// A check of an option that runs while the command line is parsed: where `parse` throws InvalidInput, the
+/// value is bad usage and its sentence the answer. `form` stands for the value in --help.
+CLI::Validator parses(const std::string& form, std::function<void(const std::string&)> parse);
 
 /// Runs the program. Exit codes: 0 ok, 1 the work failed, 2 bad usage, 3 bad input.
 int run(int argc, char** argv);

@@ -140,7 +140,8 @@ void add_compare(CLI::App& app) {
       ->add_option("--distances", arguments->distances,
                    "Write A, moved, with its distances per vertex (.ply)")
       ->check([](const std::string& path) {
-        return file_extension(path) == "ply" ? std::string() : "--distances must name a .ply file: " + path;
+        return file_extension(path) == "ply" ? std::string()
+                                             : concat("--distances must name a .ply file: ", path);
       });
 }
 

@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "batten/core/error.hpp"
+#include "batten/core/text.hpp"
 #include "batten/io/file.hpp"
 #include "batten/io/mesh_io.hpp"
 #include "batten/io/network_io.hpp"
@@ -45,7 +46,7 @@ Model read_model(const std::string& path, std::vector<std::string>& warnings) {
   } else {
     model.mesh = read_mesh(path, &told);
   }
-  for (const std::string& warning : told) warnings.push_back(path + ": " + warning);
+  for (const std::string& warning : told) warnings.push_back(concat(path, ": ", warning));
   return model;
 }
 

@@ -1,23 +1,30 @@
 #include "apps/run_batten.hpp"
 
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 
+#include <sys/wait.h>
+#include <unistd.h>
+
 namespace batten::test {
 
+namespace {
+
+struct ScratchFolder {
+  std::string path = std::filesystem::temp_directory_path() / ("batten_test_" + std::to_string(getpid()));
+  ScratchFolder() { std::filesystem::create_directories(path); }
+  ~ScratchFolder() { std::filesystem::remove_all(path); }
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+};
+
+}  // namespace
+
 const std::string& scratch() {
-  static const std::string folder = [] {
-    const std::string path = std::filesystem::temp_directory_path() / ("batten_test_" + std::to_string(getpid()));
-    std::filesystem::create_directories(path);
-    std::atexit([] { std::filesystem::remove_all(scratch()); });
-    return path;
-  }();
-  return folder;
+  static const ScratchFolder folder;
+  return folder.path;
 }
 
 std::string read_file(const std::string& name) {
@@ -27,7 +34,9 @@ std::string read_file(const std::string& name) {
   return content.str();
 }
 
-bool file_exists(const std::string& name) { return std::filesystem::exists(scratch() + "/" + name); }
+bool file_exists(const std::string& name) {
+  return std::filesystem::exists(scratch() + "/" + name);
+}
 
 std::string write_file(const std::string& name, const std::string& content) {
   const std::string path = scratch() + "/" + name;

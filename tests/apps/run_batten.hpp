@@ -9,7 +9,8 @@ struct Run {
   std::string out, err;
 };
 
-/// Runs the program under test with a line of arguments, as a shell would split them, in the folder `scratch()`.
+/// Runs the program under test with a line of arguments, as a shell would split them, in the folder
+/// `scratch()`.
 Run run_batten(const std::string& arguments);
 /// A folder of this test program alone, empty at its start.
 const std::string& scratch();

@@ -43,7 +43,7 @@ double distance_by_cases(const Vector3d& q, const Vector3d& a, const Vector3d& b
 
 TEST(Distance, PointToTriangleAgreesWithPlaneAndEdges) {
   Random random(11);
-  for (int i = 0; i < 20000; ++i) {
+  for (int i = 0; i < 5000; ++i) {
     const Vector3d a = random.normal3(), b = random.normal3(), c = random.normal3(), q = 2 * random.normal3();
     const ClosestPoint found = closest_point_on_triangle(q, a, b, c);
     ASSERT_NEAR(std::sqrt(found.squared_distance), distance_by_cases(q, a, b, c), 1e-12) << i;

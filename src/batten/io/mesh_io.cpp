@@ -363,6 +363,12 @@ void check_arrays(const TriangleMesh& mesh) {
           concat("the mesh has ", values.size(), " values of '", name, "' for ", n, " vertices"));
 }
 
+/// The extension looks through .gz for the readers; what is written under such a name would be no gzip file.
+void refuse_compressed(const std::string& path) {
+  if (path.size() > 3 && path.compare(path.size() - 3, 3, ".gz") == 0)
+    throw FileError(path, 0, "compressed files are read but not written; leave out .gz");
+}
+
 }  // namespace
 
 MeshFormat mesh_format(std::string_view path) {
@@ -425,6 +431,7 @@ std::string format_mesh(const TriangleMesh& mesh, MeshFormat format, const MeshW
 }
 
 void write_mesh(const std::string& path, const TriangleMesh& mesh, const MeshWriteOptions& options) {
+  refuse_compressed(path);
   write_file(path, format_mesh(mesh, mesh_format(path), options));
 }
 

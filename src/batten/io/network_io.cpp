@@ -349,6 +349,12 @@ void check_arrays(const CurveNetwork& network) {
     if (v < 0 || v >= n) throw InvalidInput(concat("the node list names vertex ", v, ", but there are ", n));
 }
 
+/// The extension looks through .gz for the readers; what is written under such a name would be no gzip file.
+void refuse_compressed(const std::string& path) {
+  if (path.size() > 3 && path.compare(path.size() - 3, 3, ".gz") == 0)
+    throw FileError(path, 0, "compressed files are read but not written; leave out .gz");
+}
+
 }  // namespace
 
 NetworkFormat network_format(std::string_view path) {
@@ -424,6 +430,7 @@ std::string format_network(const CurveNetwork& network, NetworkFormat format) {
 }
 
 void write_network(const std::string& path, const CurveNetwork& network) {
+  refuse_compressed(path);
   write_file(path, format_network(network, network_format(path)));
 }
 

@@ -6,17 +6,21 @@
 #include <cstdint>
 #include <deque>
 #include <limits>
-#include <set>
 #include <string_view>
 #include <vector>
 
 #include <Eigen/Geometry>
 
 #include "batten/core/text.hpp"
+#include "batten/io/scan_text_detail.hpp"
+#include "batten/io/sensor_log_io.hpp"
 
 namespace batten {
 
 namespace {
+
+using detail::one_line;
+using detail::quoted;
 
 constexpr int kNumbersPerReading = 7;  // distance, tangent, normal
 using Reading = std::array<double, kNumbersPerReading>;
@@ -78,22 +82,13 @@ std::string_view take_token(std::string_view& rest) {
   return token;
 }
 
-/// Text of a file for an error: shortened, and without what a terminal would obey.
-std::string quoted(std::string_view text) {
-  constexpr size_t kLongest = 40;
-  std::string shown(text.substr(0, kLongest));
-  for (char& c : shown)
-    if (static_cast<unsigned char>(c) < 0x20 || static_cast<unsigned char>(c) > 0x7e) c = '?';
-  return concat("\"", shown, text.size() > kLongest ? "…\"" : "\"");
-}
-
 /// Scales to unit length unless it has that already, so that a file written by us reads back unchanged.
 bool normalize(double* v) {
   const double squared = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
   if (!(squared > kSmallestDirection * kSmallestDirection)) return false;
   if (std::abs(squared - 1) <= 8 * std::numeric_limits<double>::epsilon()) return true;
-  const double factor = 1 / std::sqrt(squared);
-  for (int k = 0; k < 3; ++k) v[k] *= factor;
+  const double length = std::sqrt(squared);
+  for (int k = 0; k < 3; ++k) v[k] /= length;
   return true;
 }
 
@@ -107,13 +102,6 @@ std::string_view comment_value(std::string_view line, std::string_view key) {
   if (line.empty() || line.front() != ':') return {};
   return trim(line.substr(1));
 }
-
-/// A node as a file lists it, kept until all are known.
-struct NodeEntry {
-  int id;
-  std::string path;
-  long line;
-};
 
 /// Reads rawnet content from one or several files.
 class RawnetParser {
@@ -130,7 +118,7 @@ class RawnetParser {
     if (content_line(line))
       in_.fail(concat("expected the end of the file after ", scan_.curves.size(), " curves, found ",
                       quoted(line), "; correct the number of curves or of readings"));
-    check_node_numbers();
+    detail::check_node_numbers(nodes_);
     try {
       check_scan(scan_);
     } catch (const FileError&) {
@@ -306,7 +294,13 @@ class RawnetParser {
     for (long c = 0; c < count; ++c) {
       std::string file(expected_line(concat("the path of the file of curve ", c + 1, " of ", count)));
       if (file.front() != '/') file.insert(0, folder);
-      LineReader curve_lines(file);
+      LineReader curve_lines = [&] {
+        try {
+          return LineReader(file);
+        } catch (const FileError& error) {
+          in_.fail(concat("a first line of 0 announces a list of files, but ", error.what()));
+        }
+      }();
       std::swap(in_, curve_lines);
       try {
         parse_curve(c + 1, count);
@@ -320,36 +314,14 @@ class RawnetParser {
     }
   }
 
-  /// The numbers of n nodes are 0 … n − 1 or 1 … n (S 5.2.1). A number beyond is a slip of the hand, and
-  /// would silently give another topology.
-  void check_node_numbers() const {
-    std::set<int> ids;
-    for (const NodeEntry& node : nodes_) ids.insert(node.id);
-    if (ids.empty()) return;
-    const int last = static_cast<int>(ids.size()) - (*ids.begin() == 0 ? 1 : 0);
-    for (const NodeEntry& node : nodes_)
-      if (node.id > last)
-        throw FileError(node.path, node.line,
-                        concat("node number ", node.id, " is out of range: the file names ", ids.size(),
-                               " nodes, so they are numbered 0 … ", ids.size() - 1, " or 1 … ", ids.size(),
-                               " without gaps"));
-  }
-
   LineReader& in_;
   bool may_open_files_;
   std::string root_path_ = in_.path();
   Scan scan_;
-  std::vector<NodeEntry> nodes_;
+  std::vector<detail::NodeEntry> nodes_;
   std::string name_;              // from the comments of the curve being read
   std::string hint_after_count_;  // said when a curve does not begin where the one before should have ended
 };
-
-/// One line of text for a comment.
-std::string one_line(std::string text) {
-  for (char& c : text)
-    if (c == '\n' || c == '\r') c = ' ';
-  return text;
-}
 
 std::string number_list(const std::vector<int>& values, int offset) {
   std::string line;
@@ -403,6 +375,29 @@ void write_rawnet(const Scan& scan, const std::string& path) {
   }
   out.write(text);
   out.commit();
+}
+
+LogScan read_scan(const std::string& path, const LogScanOptions& options) {
+  // Told by the first line that is neither blank nor comment: a log begins with the names of its columns.
+  bool is_log = false;
+  {
+    LineReader in(path);
+    std::string_view line;
+    bool found = in.next(line);
+    while (found && without_comment(line).empty()) found = in.next(line);
+    is_log = found && line.find("time_s") != std::string_view::npos;
+  }
+  if (is_log) {
+    const SensorLog log = read_sensor_log(path);
+    try {
+      return scan_from_log(log, options);
+    } catch (const InvalidInput& error) {
+      throw FileError(path, 0, error.what());
+    }
+  }
+  LogScan result;
+  result.scan = read_rawnet(path);
+  return result;
 }
 
 }  // namespace batten

@@ -3,6 +3,7 @@
 
 #include "batten/io/file.hpp"
 #include "batten/scan/scan.hpp"
+#include "batten/scan/sensor_log.hpp"
 
 namespace batten {
 
@@ -24,5 +25,11 @@ Scan parse_rawnet(std::string text, const std::string& name);
 /// Writes a rawnet file that read_rawnet() reads back as exactly the same scan.
 /// @throws FileError, or InvalidInput as check_scan().
 void write_rawnet(const Scan& scan, const std::string& path);
+
+/// Reads a scan from either kind of file: rawnet, or a sensor log (*.csv, or any text file that begins with
+/// the names of its columns), whose readings become orientations by scan_from_log().
+/// @param options used for sensor logs alone.
+/// @throws FileError with file, line where there is one, and the remedy.
+LogScan read_scan(const std::string& path, const LogScanOptions& options = {});
 
 }  // namespace batten

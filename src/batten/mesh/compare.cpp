@@ -56,6 +56,7 @@ Comparison compare(const Shape& a, const Shape& b, const CompareOptions& options
     RegistrationOptions registration;
     registration.kind = options.registration;
     registration.seed = options.seed;
+    registration.samples = options.registration_samples;
     comparison.registration = register_shapes(a, b, registration, progress);
     moved.positions = comparison.registration.transform(a.positions);
   } else {

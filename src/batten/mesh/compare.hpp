@@ -18,7 +18,8 @@ DistanceFigures distance_figures(const Eigen::VectorXd& distances);
 
 struct CompareOptions {
   RegistrationKind registration = RegistrationKind::None;
-  Eigen::Index samples = 200000;  ///< per direction, uniform by area or length
+  Eigen::Index samples = 200000;              ///< per direction, uniform by area or length
+  Eigen::Index registration_samples = 20000;  ///< points that the registration matches
   std::uint64_t seed = 1;
 };
 

@@ -343,17 +343,27 @@ Registration register_shapes(const Shape& moving, const Shape& fixed, const Regi
   const double tolerance = options.tolerance * diameter(fixed);
 
   // All starts with few samples, then the promising ones with more, and at last with all.
-  constexpr Eigen::Index kCoarseSamples = 400, kMediumSamples = 2000;
-  constexpr int kCoarseIterations = 30;
+  constexpr Eigen::Index kCoarseSamples = 300, kMediumSamples = 2000;
+  constexpr int kFirstIterations = 5, kFurtherIterations = 25;
+  constexpr std::size_t kKept = 5;  // starts that are followed further, besides "as it lies"
   const Alignment coarse(tree, tangents, samples.topRows(std::min(kCoarseSamples, samples.rows())),
                          options.kind, options.trim);
   const std::vector<SimilarityTransform> tried = starts(samples, targets, options.kind);
+  const double coarse_tolerance = 1e-6 * diameter(fixed);
   std::vector<Alignment::State> states;
   for (std::size_t i = 0; i < tried.size(); ++i) {
     progress.report("register", 0.3 * static_cast<double>(i) / static_cast<double>(tried.size()));
     states.push_back(coarse.evaluate(tried[i]));
-    coarse.improve(states.back(), kCoarseIterations, 1e-6 * diameter(fixed));
+    coarse.improve(states.back(), kFirstIterations, coarse_tolerance);
   }
+  std::vector<std::size_t> ranking(states.size());
+  std::iota(ranking.begin(), ranking.end(), 0);
+  std::stable_sort(ranking.begin(), ranking.end(), [&](std::size_t a, std::size_t b) {
+    return states[a].mean_square < states[b].mean_square;
+  });
+  for (std::size_t rank = 0; rank < ranking.size(); ++rank)
+    if (rank < kKept || ranking[rank] == 0)
+      coarse.improve(states[ranking[rank]], kFurtherIterations, coarse_tolerance);
   std::size_t best = 0;
   for (std::size_t i = 1; i < states.size(); ++i)
     if (states[i].mean_square < states[best].mean_square) best = i;

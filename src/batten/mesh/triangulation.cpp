@@ -21,7 +21,7 @@ constexpr int kMostCorners = 10000;
 /// Cuts one polygon into triangles, the best-shaped ear first, in the plane that fits it best.
 class EarCutter {
  public:
-  EarCutter(const Points& positions, const int* corners, int n) : corners_(corners), n_(n) {
+  EarCutter(const Points& positions, const int* corners, int n) : n_(n) {
     // Newell's normal: the sum of the areas projected on the three planes, taken from the centroid so that a
     // polygon far from the origin loses no digits.
     Row centre = Row::Zero();
@@ -167,7 +167,6 @@ class EarCutter {
     return best;
   }
 
-  const int* corners_;
   int n_;
   std::vector<Eigen::Vector2d> points_;
   std::vector<int> next_, previous_;  // next_ is −1 for corners that were cut off

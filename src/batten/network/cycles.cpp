@@ -158,14 +158,29 @@ class CycleFinder {
       std::sort(around.begin(), around.end(), [](const Spoke& a, const Spoke& b) {
         return a.angle != b.angle ? a.angle < b.angle : a.dart < b.dart;
       });
-      if (around.size() > 2)
-        for (std::size_t round = 0; round < around.size(); ++round)
-          for (std::size_t i = 0; i < around.size(); ++i) {
-            Spoke& a = around[i];
-            Spoke& b = around[(i + 1) % around.size()];
-            const double gap = std::remainder(b.angle - a.angle, 2 * kPi);
-            if (std::abs(gap) < radians(4) && parting(a.dart, b.dart) < 0) std::swap(a.dart, b.dart);
+      if (around.size() > 2) {
+        // Begin after the widest gap: curves that touch then stand side by side, never across the ends.
+        std::size_t widest = 0;
+        double width = -1;
+        for (std::size_t i = 0; i < around.size(); ++i) {
+          double gap = around[(i + 1) % around.size()].angle - around[i].angle;
+          if (i + 1 == around.size()) gap += 2 * kPi;
+          if (gap > width) {
+            width = gap;
+            widest = i;
           }
+        }
+        std::rotate(around.begin(),
+                    around.begin() + static_cast<std::ptrdiff_t>((widest + 1) % around.size()), around.end());
+        for (std::size_t round = 1; round < around.size(); ++round)
+          for (std::size_t i = 0; i + 1 < around.size(); ++i) {
+            Spoke& first = around[i];
+            Spoke& second = around[i + 1];
+            const double gap = std::remainder(second.angle - first.angle, 2 * kPi);
+            if (std::abs(gap) < radians(4) && parting(first.dart, second.dart) < 0)
+              std::swap(first.dart, second.dart);
+          }
+      }
       // With the patch to the left, a walk that arrives by a dart leaves by the one clockwise of its twin.
       for (std::size_t i = 0; i < around.size(); ++i)
         next_[twin(around[(i + 1) % around.size()].dart)] = around[i].dart;
@@ -278,13 +293,26 @@ class CycleFinder {
     return list;
   }
 
+  /// A loop that is a component of its own and lies on the border: a disc by itself, or one end of a tube.
+  bool lone_border(int orbit) const {
+    const int first = orbits_[orbit].darts.front();
+    return orbits_[orbit].only_boundary &&
+           orbits_[orbit_of_dart_[twin(first)]].darts.size() == orbits_[orbit].darts.size();
+  }
+
   bool worth_joining(const std::vector<int>& a, const std::vector<int>& b) const {
     double turning_a = 0, turning_b = 0;
     for (const int i : a) turning_a += orbits_[i].turning;
     for (const int i : b) turning_b += orbits_[i].turning;
     const int loops_a = static_cast<int>(a.size()), loops_b = static_cast<int>(b.size());
-    return std::abs(total_curvature(loops_a + loops_b, turning_a + turning_b)) + kPi <
-           std::abs(total_curvature(loops_a, turning_a)) + std::abs(total_curvature(loops_b, turning_b));
+    const double joined = std::abs(total_curvature(loops_a + loops_b, turning_a + turning_b));
+    const double apart =
+        std::abs(total_curvature(loops_a, turning_a)) + std::abs(total_curvature(loops_b, turning_b));
+    // The outsides of two flat discs would make a patch of curvature 4π: more than a patch is given.
+    if (joined > 3.5 * kPi) return false;
+    // Two rims that face each other are a tube even where it narrows strongly (S fig. 4.18, right).
+    if (a.size() == 1 && b.size() == 1 && lone_border(a.front()) && lone_border(b.front())) return true;
+    return joined + kPi < apart;
   }
 
   /// Which groups are patches and which lie outside; errors where a border is not tagged.

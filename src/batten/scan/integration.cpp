@@ -50,26 +50,43 @@ std::vector<Segment> segments_of(const SampledScan& scan, const VertexNumbering&
 
 /// The second-difference form of one curve, condensed: with e_k = (x_{k+1} − x_k − d_k)/h_k the least value
 /// of eᵀTe under Σ_{segment} h_k e_k = m_s. T is the path (or ring) Laplacian over the steps, with one more
-/// on the diagonal at the free ends of an open curve.
+/// on the diagonal at the free ends of an open curve. Time and memory are linear in the steps; besides they
+/// grow as the third and second power of the segments of one curve, which all depend on each other.
+///
+/// On a ring T is singular: step 0 is taken out and its value becomes the unknown c, added to all. What is
+/// left is, open or closed, the second-difference matrix with fixed ends, whose inverse is known:
+/// T⁻¹_ij = (i + 1)(n − j)/(n + 1) for i ≤ j.
 class CurveBending {
  public:
   CurveBending(const SampledCurve& curve, const std::vector<Segment>& segments, size_t first, size_t last)
-      : n_steps_(curve.n_samples() - 1), closed_(curve.closed), n_segments_(static_cast<int>(last - first)) {
-    // T⁻¹ h_s for each segment s, h_s the steps of the segment. On a ring T is singular: step 0 is taken out
-    // and its value becomes the unknown c, added to all.
-    loads_.setZero(n_steps_, n_segments_);
-    Eigen::VectorXd lengths(n_segments_);
-    for (size_t s = first; s < last; ++s) {
-      for (int k = segments[s].begin; k < segments[s].end; ++k)
-        loads_(k, static_cast<Eigen::Index>(s - first)) = curve.step(k);
-      lengths[static_cast<Eigen::Index>(s - first)] = segments[s].length;
+      : curve_(curve),
+        first_step_(curve.closed ? 1 : 0),
+        n_(curve.n_samples() - 1 - first_step_),
+        n_segments_(static_cast<int>(last - first)) {
+    // G = LᵀT⁻¹L for the loads L, whose column s holds the steps h_k of segment s. T⁻¹ is a product on each
+    // side of its diagonal, so two sums per segment give the couplings of different segments.
+    Eigen::VectorXd rising = Eigen::VectorXd::Zero(n_segments_), falling = rising, own = rising,
+                    lengths = rising;
+    for (int s = 0; s < n_segments_; ++s) {
+      const Segment& segment = segments[first + s];
+      begins_.push_back(segment.begin);
+      lengths[s] = segment.length;
+      for (int k = std::max(segment.begin, first_step_); k < segment.end; ++k) {
+        const double h = curve.step(k), up = k - first_step_ + 1.0, down = n_ + 1.0 - up;
+        own[s] += h * down * (2 * rising[s] + h * up);
+        rising[s] += h * up;
+        falling[s] += h * down;
+      }
     }
-    responses_ = solve(loads_);
-    const Eigen::MatrixXd G = loads_.transpose() * responses_;
-    const int n_multipliers = n_segments_ + (closed_ ? 1 : 0);
+    begins_.push_back(curve.n_samples() - 1);
+    const int n_multipliers = n_segments_ + first_step_;
     Eigen::MatrixXd system = Eigen::MatrixXd::Zero(n_multipliers, n_multipliers);
-    system.topLeftCorner(n_segments_, n_segments_) = G;
-    if (closed_) {
+    for (int s = 0; s < n_segments_; ++s) {
+      system(s, s) = own[s] / (n_ + 1);
+      for (int t = s + 1; t < n_segments_; ++t)
+        system(s, t) = system(t, s) = rising[s] * falling[t] / (n_ + 1);
+    }
+    if (curve.closed) {
       system.col(n_segments_).head(n_segments_) = lengths;
       system.row(n_segments_).head(n_segments_) = lengths.transpose();
     }
@@ -80,41 +97,42 @@ class CurveBending {
   /// K with energy mᵀ K m, n_segments × n_segments.
   Eigen::MatrixXd stiffness() const { return multipliers_.topRows(n_segments_); }
 
-  /// e for the misfits m (n_segments × 3): n_steps × 3.
-  Eigen::MatrixXd strain(const Eigen::MatrixXd& misfits) const {
+  /// e = T⁻¹ L ν + c for the misfits m (n_segments × 3): n_steps × 3.
+  Points strain(const Eigen::MatrixXd& misfits) const {
     const Eigen::MatrixXd nu = multipliers_ * misfits;
-    Eigen::MatrixXd e = responses_ * nu.topRows(n_segments_);
-    if (closed_) e.rowwise() += nu.row(n_segments_);
+    Points e = Points::Zero(first_step_ + n_, 3);
+    for (int s = 0; s < n_segments_; ++s)
+      for (int k = std::max(begins_[s], first_step_); k < begins_[s + 1]; ++k)
+        e.row(k) = curve_.step(k) * nu.row(s);
+    solve(e);
+    if (first_step_ > 0) e.rowwise() += nu.row(n_segments_);
     return e;
   }
 
  private:
-  /// Tridiagonal elimination (Thomas) for all right-hand sides at once.
-  Eigen::MatrixXd solve(const Eigen::MatrixXd& B) const {
-    const int first = closed_ ? 1 : 0;  // ring: row and column 0 taken out
-    const int n = n_steps_ - first;
-    Eigen::MatrixXd X = Eigen::MatrixXd::Zero(B.rows(), B.cols());
-    if (n <= 0) return X;
+  /// X ← T⁻¹ X by tridiagonal elimination (Thomas).
+  void solve(Points& X) const {
+    if (n_ <= 0) return;
     // Path: 1 + 1 on the diagonal everywhere (neighbour before or end row, neighbour after or end row).
-    // Ring without step 0: the same. So T is the second-difference matrix with Dirichlet ends throughout.
-    Eigen::VectorXd upper(n);
-    X.bottomRows(n) = B.bottomRows(n);
+    // Ring without step 0: the same.
+    Eigen::VectorXd upper(n_);
     double pivot = 2;
     upper[0] = -1 / pivot;
-    X.row(first) /= pivot;
-    for (int k = 1; k < n; ++k) {
+    X.row(first_step_) /= pivot;
+    for (int k = 1; k < n_; ++k) {
       pivot = 2 + upper[k - 1];
       upper[k] = -1 / pivot;
-      X.row(first + k) = (X.row(first + k) + X.row(first + k - 1)) / pivot;
+      X.row(first_step_ + k) = (X.row(first_step_ + k) + X.row(first_step_ + k - 1)) / pivot;
     }
-    for (int k = n - 2; k >= 0; --k) X.row(first + k) -= upper[k] * X.row(first + k + 1);
-    return X;
+    for (int k = n_ - 2; k >= 0; --k) X.row(first_step_ + k) -= upper[k] * X.row(first_step_ + k + 1);
   }
 
-  int n_steps_;
-  bool closed_;
+  const SampledCurve& curve_;
+  int first_step_;  ///< of those that T is over
+  int n_;           ///< how many those are
   int n_segments_;
-  Eigen::MatrixXd loads_, responses_, multipliers_;
+  std::vector<int> begins_;  ///< first step of each segment, and the end
+  Eigen::MatrixXd multipliers_;
 };
 
 /// Component of every vertex below `n`, by the segments; the number of components.
@@ -238,7 +256,7 @@ IntegrationResult integrate_steps(const SampledScan& scan, const std::vector<Poi
       for (size_t s = first; s < last; ++s)
         misfits.row(static_cast<Eigen::Index>(s - first)) =
             nodes.row(condensed[s].to) - nodes.row(condensed[s].from) - condensed[s].sum.transpose();
-      Eigen::MatrixXd strain;
+      Points strain(0, 3);
       if (form == ClosureForm::SecondDifference) strain = bending[c].strain(misfits);
       for (size_t s = first; s < last; ++s) {
         Eigen::RowVector3d x = nodes.row(condensed[s].from);
@@ -270,8 +288,9 @@ std::vector<Points> integrate_preview(const SampledScan& scan, StepRule rule) {
     int next = -1, anchor = 0;
     for (int c = 0; c < n_curves && next < 0; ++c) {
       if (done[c]) continue;
-      for (int k = 0; k < scan.curves[c].n_samples() && next < 0; ++k)
-        if (placed.count(numbering.vertices[c][k]) > 0) next = c, anchor = k;
+      for (const int k : scan.curves[c].node_samples) {
+        if (next < 0 && placed.count(numbering.vertices[c][k]) > 0) next = c, anchor = k;
+      }
     }
     for (int c = 0; c < n_curves && next < 0; ++c)
       if (!done[c]) next = c;

@@ -23,8 +23,9 @@ enum class ClosureForm {
   /// graph Laplacian over the nodes, then a closed form inside each segment: O(N).
   FirstDifference,
   /// S (3.32) and its end rows: Σ ‖e_k − e_{k−1}‖² with e_k = (x_{k+1} − x_k − d_k)/h_k, plus ‖e‖² of the
-  /// first
-  /// and the last step of open curves. Tangents turn gradually, and the length of a closed curve is free.
+  /// first and the last step of open curves. Tangents turn gradually, and the length of a closed curve is
+  /// free. O(N) in the samples; but a curve couples all its nodes with each other, so that large grids, with
+  /// more than some fifty nodes on every curve, take the time of a dense system of their nodes.
   SecondDifference,
 };
 

@@ -22,14 +22,18 @@ namespace {
 /// Relative slip of the odometer that no factor explains, as a random walk: 1e-4 sizes over one size. It also
 /// takes up the error of the steps between samples, and keeps the system well conditioned.
 constexpr double kSlip = 1e-4;
+/// Precision of the mean log factor: that of a length known to 10⁻⁵.
+constexpr double kCommonScale = 1e10;
+/// No device is better (0.006°); below, the error of the steps between samples would pass for noise.
+constexpr double kLeastNoise = 1e-4;
 /// Rows whose weight does not depend on the noise model, and the groups whose weight does.
-enum Group { kFixed, kWhite, kScale, kBending };
+enum Group { kFixed, kWhite, kScale, kStretch, kBending, kJerk, kGroups };
 
 /// One residual of three components, linear in a few blocks of unknowns.
 struct Row {
-  int group;
-  double weight;
-  Eigen::Vector3d r;
+  int group = kFixed;
+  double weight = 1;
+  Eigen::Vector3d r = Eigen::Vector3d::Zero();
   int n_blocks = 0;
   std::array<int, 5> offset{};
   std::array<int, 5> width{};
@@ -75,6 +79,9 @@ class JointModel {
     b_.setZero(n_samples_, 3);
     x_.setZero(vertices_.n_vertices, 3);
     e_.setZero(n_curves_);
+    length_share_.resize(n_curves_);
+    for (int c = 0; c < n_curves_; ++c) length_share_[c] = scan.curves[c].length();
+    length_share_ /= length_share_.sum();
     trust_.setOnes(n_samples_);
     start();
   }
@@ -87,7 +94,7 @@ class JointModel {
   void linearize() {
     rows_.clear();
     add_data();
-    add_bending();
+    add_shape();
     add_normals();
     add_positions();
     add_scales();
@@ -98,20 +105,34 @@ class JointModel {
   /// −2 log marginal likelihood of a noise model for the linearised problem, and the step to its optimum.
   Evaluation evaluate(const NoiseModel& noise) {
     ++evaluations_;
-    const std::array<double, 4> weights{1, 1 / (noise.white * noise.white), 1 / (noise.scale * noise.scale),
-                                        1 / noise.bending};
+    const std::array<double, kGroups> weights{1,
+                                              1 / (noise.white * noise.white),
+                                              1 / (noise.scale * noise.scale),
+                                              1 / noise.stretch,
+                                              1 / noise.bending,
+                                              1 / noise.jerk};
     double constant = 0;
     Eigen::Map<Eigen::VectorXd> values(H_.valuePtr(), H_.nonZeros());
     Eigen::VectorXd gradient = Eigen::VectorXd::Zero(n_unknowns_);
     values.setZero();
-    for (int g = 0; g < 4; ++g) {
+    for (int g = 0; g < kGroups; ++g) {
       values += weights[g] * group_values_[g];
       gradient += weights[g] * group_gradient_[g];
       constant += weights[g] * group_constant_[g];
     }
-    double log_determinants = 3.0 * n_data_ * std::log(noise.white * noise.white) +
-                              n_curves_ * std::log(noise.scale * noise.scale) +
-                              3.0 * n_bending_ * std::log(noise.bending);
+    // The scale all curves share is not observable, yet a network that shrinks as a whole closes ever better:
+    // the mean of the log factors, weighted by length, is held at 0.
+    const double common = length_share_.dot(e_);
+    size_t entry = 0;
+    for (int i = 0; i < n_curves_; ++i) {
+      gradient[scale_at_ + i] += kCommonScale * common * length_share_[i];
+      for (int j = 0; j <= i; ++j)
+        values[scale_slots_[entry++]] += kCommonScale * length_share_[i] * length_share_[j];
+    }
+    constant += kCommonScale * common * common;
+    double log_determinants =
+        3.0 * n_data_ * std::log(noise.white * noise.white) + n_curves_ * std::log(noise.scale * noise.scale);
+    log_determinants -= 3 * log_determinant_of_shape(noise);
     // Ornstein–Uhlenbeck: b_0 ~ N(0, σ²), b_{k+1} | b_k ~ N(φ b_k, σ²(1 − φ²)), φ = exp(−h/ℓ).
     const double variance = noise.drift * noise.drift;
     const auto add_drift = [&](int sample, double precision) {
@@ -173,16 +194,18 @@ class JointModel {
     return largest;
   }
 
-  /// Weights of the robust loss: 1 up to four standard deviations, then falling as the fourth power.
+  /// Weights of the robust loss: 1 up to four standard deviations, then falling as the fourth power of the
+  /// residual. Below one degree nothing is distrusted: with exact data that would be the error of the steps.
   void update_trust() {
-    constexpr double kLimit2 = 16;
+    constexpr double kDeviations = 4, kLeast = radians(1.0);
     for (int c = 0; c < n_curves_; ++c) {
       for (int k = 0; k < scan_.curves[c].n_samples(); ++k) {
         const int i = first_sample_[c] + k;
         const double m = scan_.curves[c].weights[k];
         const Eigen::Vector3d r = data_residual(c, k);
-        const double z2 = m * r.squaredNorm() / (noise_.white * noise_.white);
-        trust_[i] = z2 <= kLimit2 ? 1 : (kLimit2 / z2) * (kLimit2 / z2);
+        const double limit = std::max(kDeviations * noise_.white / std::sqrt(std::max(m, 1.0)), kLeast);
+        const double ratio = limit * limit / std::max(r.squaredNorm(), 1e-300);
+        trust_[i] = ratio >= 1 ? 1 : ratio * ratio;
       }
     }
   }
@@ -207,13 +230,15 @@ class JointModel {
 
   /// Posterior deviations of the factors about their mean. @pre evaluate() has just been called.
   Eigen::VectorXd factor_deviation() {
-    Eigen::MatrixXd right = Eigen::MatrixXd::Zero(n_unknowns_, n_curves_);
+    // One curve at a time: all at once would be a dense matrix of unknowns × curves.
+    Eigen::VectorXd deviations(n_curves_), right = Eigen::VectorXd::Zero(n_unknowns_);
     for (int c = 0; c < n_curves_; ++c) {
-      right.block(scale_at_, c, n_curves_, 1).setConstant(-1.0 / n_curves_);
-      right(scale_at_ + c, c) += 1;
+      right.segment(scale_at_, n_curves_).setConstant(-1.0 / n_curves_);
+      right[scale_at_ + c] += 1;
+      const Eigen::VectorXd solution = factor_.solve(right);
+      deviations[c] = std::sqrt(right.dot(solution));
     }
-    const Eigen::MatrixXd solution = factor_.solve(right);
-    return (right.array() * solution.array()).colwise().sum().sqrt().transpose();
+    return deviations;
   }
 
  private:
@@ -235,13 +260,15 @@ class JointModel {
     const IntegrationResult placed =
         integrate_steps(smooth, frame_steps(smooth, StepRule::ConstantRate), ClosureForm::FirstDifference);
     x_ = placed.positions / options_.size;
-    const double floor = 1e-4;
-    noise_.white = std::max(options_.reading_noise, floor);
+    noise_.white = std::max(options_.reading_noise, kLeastNoise);
     noise_.drift = 0.5 * noise_.white;
     noise_.drift_length = 0.2;
     noise_.scale = options_.scale_deviation > 0 ? options_.scale_deviation : 0.003;
-    noise_.bending = 1;
+    noise_.stretch = 100;
+    noise_.bending = 10;
+    noise_.jerk = 1e4;
     start_noise_ = noise_;
+    if (options_.noise) noise_ = *options_.noise;
     normal_deviation_ = noise_.white * std::sqrt(2 / std::max(options_.xi, 1e-6));
   }
 
@@ -251,9 +278,9 @@ class JointModel {
       const double u = std::log(value / centre) / std::log(factor);
       return u * u;
     };
-    return about(n.white, start_noise_.white, 1.5) + about(n.drift, start_noise_.drift, 4) +
-           about(n.drift_length, 0.2, 2.5) + about(n.scale, start_noise_.scale, 3) +
-           about(n.bending, 10, 100);
+    return about(n.white, start_noise_.white, 1.5) + about(n.drift, start_noise_.drift, 2) +
+           about(n.drift_length, 0.2, 2) + about(n.scale, start_noise_.scale, 3) + about(n.bending, 10, 100) +
+           about(n.stretch, 100, 100) + about(n.jerk, 1e4, 1000);
   }
 
   Eigen::Vector3d data_residual(int c, int k) const {
@@ -279,29 +306,82 @@ class JointModel {
     }
   }
 
-  void add_bending() {
-    n_bending_ = 0;
+  /// The prior of the shape: ω = log(X_kᵀ X_{k+1})/h on every step, its first and second differences, each as
+  /// an integral along the curve. On scalars in place of ω the same rows make `shape_`.
+  void add_shape() {
+    const bool first = shape_.nonZeros() == 0;
+    std::array<std::vector<Eigen::Triplet<double>>, 3> scalar;
+    int at = 0;
     for (int c = 0; c < n_curves_; ++c) {
       const SampledCurve& curve = scan_.curves[c];
       const std::vector<int>& frame = frames_.frames[c];
-      const int n = curve.n_samples();
-      const auto bend = [&](int k0, int k1, int k2, double h0, double h1) {
-        const Eigen::Matrix3d &X0 = X_[frame[k0]], &X1 = X_[frame[k1]], &X2 = X_[frame[k2]];
-        const Eigen::Vector3d u0 = so3_log(X0.transpose() * X1), u1 = so3_log(X1.transpose() * X2);
-        // log(X_kᵀ exp(η' − η) X_{k+1}) ≈ u + J_r⁻¹(u) X_{k+1}ᵀ (η' − η)
-        const Eigen::Matrix3d D0 = so3_right_jacobian_inverse(u0) * X1.transpose() / h0;
-        const Eigen::Matrix3d D1 = so3_right_jacobian_inverse(u1) * X2.transpose() / h1;
-        Row row{kBending, 2 / (h0 + h1), u1 / h1 - u0 / h0};
-        row.block(frame_at_ + 3 * frame[k0], D0);
-        row.block(frame_at_ + 3 * frame[k1], -D0 - D1);
-        row.block(frame_at_ + 3 * frame[k2], D1);
+      const int n = curve.n_samples() - 1;  // steps
+      const bool ring = curve.smooth_seam && n >= 4;
+      std::vector<Eigen::Vector3d> omega(n);
+      std::vector<Eigen::Matrix3d> D(n);
+      std::vector<double> h(n);
+      for (int k = 0; k < n; ++k) {
+        const Eigen::Matrix3d &X = X_[frame[k]], &Y = X_[frame[k + 1]];
+        h[k] = curve.step(k) / options_.size;
+        const Eigen::Vector3d u = so3_log(X.transpose() * Y);
+        omega[k] = u / h[k];
+        // log(Xᵀ exp(η' − η) Y) ≈ u + J_r⁻¹(u) Yᵀ (η' − η)
+        D[k] = so3_right_jacobian_inverse(u) * Y.transpose() / h[k];
+      }
+      // A combination of neighbouring ω: coefficients for steps `begin`, `begin` + 1, …
+      const auto add = [&](int group, double weight, int begin, const std::vector<double>& coefficients) {
+        const int m = static_cast<int>(coefficients.size());
+        Row row;
+        row.group = group;
+        row.weight = weight;
+        row.r.setZero();
+        Eigen::Matrix3d carried = Eigen::Matrix3d::Zero();
+        for (int i = 0; i < m; ++i) {
+          const int k = (begin + i) % n;
+          const double a = coefficients[i];
+          row.r += a * omega[k];
+          row.block(frame_at_ + 3 * frame[k], carried - a * D[k]);
+          carried = a * D[k];
+        }
+        row.block(frame_at_ + 3 * frame[(begin + m - 1) % n + 1], carried);
         rows_.push_back(row);
-        ++n_bending_;
+        if (!first) return;
+        for (int i = 0; i < m; ++i)
+          for (int j = 0; j < m; ++j) {
+            const int a = at + (begin + i) % n, b = at + (begin + j) % n;
+            if (a >= b)
+              scalar[group - kStretch].emplace_back(a, b, weight * coefficients[i] * coefficients[j]);
+          }
       };
-      const auto h = [&](int k) { return curve.step(k) / options_.size; };
-      for (int k = 1; k < n - 1; ++k) bend(k - 1, k, k + 1, h(k - 1), h(k));
-      if (curve.smooth_seam && n > 3) bend(n - 2, 0, 1, h(n - 2), h(0));
+      const auto between = [&](int k) { return 0.5 * (h[k % n] + h[(k + 1) % n]); };
+      for (int k = 0; k < n; ++k) add(kStretch, h[k], k, {1});
+      for (int k = 0; k + 1 < (ring ? n + 1 : n); ++k) add(kBending, 1 / between(k), k, {-1, 1});
+      for (int k = 0; k + 2 < (ring ? n + 2 : n); ++k) {
+        const double a = 1 / between(k), b = 1 / between(k + 1);
+        add(kJerk, 2 / (between(k) + between(k + 1)), k, {a, -a - b, b});
+      }
+      at += n;
     }
+    if (!first) return;
+    std::vector<Eigen::Triplet<double>> pattern;
+    for (const auto& entries : scalar)
+      for (const Eigen::Triplet<double>& e : entries) pattern.emplace_back(e.row(), e.col(), 0.0);
+    shape_.resize(at, at);
+    shape_.setFromTriplets(pattern.begin(), pattern.end());
+    for (int g = 0; g < 3; ++g) {
+      SparseMatrix M = shape_;
+      for (const Eigen::Triplet<double>& e : scalar[g]) M.coeffRef(e.row(), e.col()) += e.value();
+      shape_values_[g] = Eigen::Map<Eigen::VectorXd>(M.valuePtr(), M.nonZeros());
+    }
+    shape_factor_.analyzePattern(shape_);
+  }
+
+  /// log det of the precision of ω, per component.
+  double log_determinant_of_shape(const NoiseModel& noise) {
+    Eigen::Map<Eigen::VectorXd>(shape_.valuePtr(), shape_.nonZeros()) =
+        shape_values_[0] / noise.stretch + shape_values_[1] / noise.bending + shape_values_[2] / noise.jerk;
+    shape_factor_.factorize(shape_);
+    return shape_factor_.vectorD().array().log().sum();
   }
 
   void add_normals() {
@@ -360,12 +440,16 @@ class JointModel {
         for (int b = 0; b <= a; ++b)
           for (int i = 0; i < row.width[a]; ++i)
             for (int j = 0; j < row.width[b]; ++j) touch(row.offset[a] + i, row.offset[b] + j);
+    for (int i = 0; i < n_curves_; ++i)
+      for (int j = 0; j < i; ++j) touch(scale_at_ + i, scale_at_ + j);
     // Samples without readings have no data row; their drift and frame still share the chain.
     for (const DriftStep& s : drift_steps_)
       for (int a = 0; a < 3; ++a) touch(drift_at_ + 3 * s.before + a, drift_at_ + 3 * s.after + a);
     H_.resize(n_unknowns_, n_unknowns_);
     H_.setFromTriplets(entries.begin(), entries.end());
     H_.makeCompressed();
+    for (int i = 0; i < n_curves_; ++i)
+      for (int j = 0; j <= i; ++j) scale_slots_.push_back(slot(scale_at_ + i, scale_at_ + j));
     for (int i = 0; i < 3 * n_samples_; ++i) drift_diagonal_.push_back(slot(drift_at_ + i, drift_at_ + i));
     for (const DriftStep& s : drift_steps_)
       for (int a = 0; a < 3; ++a)
@@ -379,7 +463,7 @@ class JointModel {
   }
 
   void gather() {
-    for (int g = 0; g < 4; ++g) {
+    for (int g = 0; g < kGroups; ++g) {
       group_values_[g].setZero(H_.nonZeros());
       group_gradient_[g].setZero(n_unknowns_);
       group_constant_[g] = 0;
@@ -408,7 +492,7 @@ class JointModel {
   JointOptions options_;
   VertexNumbering vertices_;
   FrameNumbering frames_;
-  int n_curves_ = 0, n_samples_ = 0, n_unknowns_ = 0, n_data_ = 0, n_bending_ = 0;
+  int n_curves_ = 0, n_samples_ = 0, n_unknowns_ = 0, n_data_ = 0;
   int frame_at_ = 0, drift_at_ = 0, position_at_ = 0, scale_at_ = 0;
   std::vector<int> first_sample_;
   std::vector<DriftStep> drift_steps_;
@@ -416,54 +500,94 @@ class JointModel {
   std::vector<Eigen::Matrix3d> X_;
   Points b_, x_;  ///< drift per sample; positions in sizes
   Eigen::VectorXd e_, trust_;
+  Eigen::VectorXd length_share_;  ///< of each curve in the length of all
   NoiseModel noise_, start_noise_;
   double normal_deviation_ = 0;
 
   std::vector<Row> rows_;
   SparseMatrix H_;
-  std::vector<Eigen::Index> drift_diagonal_, drift_lower_;
-  std::array<Eigen::VectorXd, 4> group_values_, group_gradient_;
-  std::array<double, 4> group_constant_{};
+  std::vector<Eigen::Index> drift_diagonal_, drift_lower_, scale_slots_;
+  std::array<Eigen::VectorXd, kGroups> group_values_, group_gradient_;
+  std::array<double, kGroups> group_constant_{};
   Eigen::SimplicialLDLT<SparseMatrix, Eigen::Lower> factor_;
+  SparseMatrix shape_;
+  std::array<Eigen::VectorXd, 3> shape_values_;
+  Eigen::SimplicialLDLT<SparseMatrix, Eigen::Lower> shape_factor_;
   bool analyzed_ = false;
   int iterations_ = 0, evaluations_ = 0;
 };
 
-/// Compass search over the logarithms of the noise model on a fixed grid: rounding cannot move the result.
+/// Pattern search over the logarithms of the noise model, on a fixed grid so that rounding cannot move the
+/// result. Besides the figures one by one it tries the pairs that the data tell apart worst.
 void search_noise(JointModel& model, const JointOptions& options, double first_step, double last_step,
                   const Progress& progress) {
   NoiseModel& noise = model.noise();
-  std::vector<double*> figures{&noise.white, &noise.drift, &noise.drift_length, &noise.bending};
-  std::vector<double> spans{0.5, 1, 1, 3};  // bending has the widest range
-  if (options.scale_deviation <= 0) figures.push_back(&noise.scale), spans.push_back(1);
-  const auto in_range = [](const NoiseModel& n) {
-    return n.white >= 1e-5 && n.white <= 1 && n.drift >= 1e-6 && n.drift <= 1 && n.drift_length >= 0.01 &&
-           n.drift_length <= 20 && n.scale >= 1e-6 && n.scale <= 1 && n.bending >= 1e-9 && n.bending <= 1e9;
+  // Exponents of: white, drift, drift length, bending, jerk, stretch, scale.
+  using Move = std::array<double, 7>;
+  std::vector<Move> moves{
+      {0, 0, 0, 3, 0, 0, 0},    // bending
+      {0, 1, 0, 0, 0, 0, 0},    // drift
+      {0, 0, 1, 0, 0, 0, 0},    // drift length
+      {0, 1, 2, 0, 0, 0, 0},    // both, at one rate of change
+      {0, -1, 0, 2, 0, 0, 0},   // slow drift against shape
+      {0, 0, -1, 2, 0, 0, 0},   //
+      {0.5, 0, 0, 0, 0, 0, 0},  // white
+      {0, 0, 0, 0, 3, 0, 0},    // jerk
+      {0, 0, 0, 3, -3, 0, 0},   // one kind of smoothness against another
+      {0, 0, 0, 0, 0, 2, 0},    // stretch
+  };
+  if (options.scale_deviation <= 0) moves.push_back({0, 0, 0, 0, 0, 0, 1});
+  const auto moved = [](NoiseModel n, const Move& move, double step) {
+    const std::array<double*, 7> figures{&n.white, &n.drift,   &n.drift_length, &n.bending,
+                                         &n.jerk,  &n.stretch, &n.scale};
+    for (size_t i = 0; i < figures.size(); ++i) *figures[i] *= std::exp2(step * move[i]);
+    return n;
+  };
+  // No device drifts by tens of degrees, and no odometer is wrong by a tenth: a model that says so explains
+  // the shape as noise.
+  const double white =
+      std::max(options.reading_noise, kLeastNoise);  // from neighbours: right within a factor
+  const double most_drift = std::max(radians(3), 4 * white);
+  const double most_scale = std::max(0.02, options.scale_deviation);
+  const auto in_range = [&](const NoiseModel& n) {
+    return n.white >= std::max(kLeastNoise, white / 3) && n.white <= 3 * white &&
+           n.drift >= 0.1 * kLeastNoise && n.drift <= most_drift && n.drift_length >= 0.01 &&
+           n.drift_length <= 2 && n.scale >= 1e-6 && n.scale <= most_scale && n.bending >= 1e-4 &&
+           n.bending <= 1e8 && n.jerk >= 1e-3 && n.jerk <= 1e10 && n.stretch >= 1e-3 && n.stretch <= 1e6;
   };
   double best = model.evaluate(noise).evidence;
+  if (first_step > last_step) {
+    // The search starts from the best of a few kinds of objects and devices, or it ends on a side peak.
+    const NoiseModel start = noise;
+    for (const double bending : {0.01, 1.0, 100.0, 1e4}) {
+      for (const double drift : {0.1, 0.5, 2.0}) {
+        NoiseModel trial = start;
+        trial.bending = bending;
+        trial.drift = drift * start.white;
+        const double value = in_range(trial) ? model.evaluate(trial).evidence : best;
+        if (value < best - 1e-3) best = value, noise = trial;
+      }
+    }
+  }
   for (double step = first_step; step >= 0.99 * last_step; step *= 0.5) {
-    for (int sweep = 0; sweep < 8; ++sweep) {
+    for (int sweep = 0; sweep < 10; ++sweep) {
       progress.report("noise model", 0.1 * sweep);
-      bool improved = false;
-      for (size_t i = 0; i < figures.size(); ++i) {
+      const double before = best;
+      for (const Move& move : moves) {
         for (const double sign : {1.0, -1.0}) {
-          bool moved = false;
+          bool improved = false;
           while (true) {
-            const double before = *figures[i];
-            *figures[i] = before * std::exp2(sign * step * spans[i]);
-            const double value = in_range(noise) ? model.evaluate(noise).evidence : best + 1;
-            if (value < best - 1e-6) {
-              best = value;
-              moved = improved = true;
-            } else {
-              *figures[i] = before;
-              break;
-            }
+            const NoiseModel trial = moved(noise, move, sign * step);
+            const double value = in_range(trial) ? model.evaluate(trial).evidence : best;
+            if (!(value < best - 1e-3)) break;
+            best = value;
+            noise = trial;
+            improved = true;
           }
-          if (moved) break;  // the other way was worse
+          if (improved) break;  // the other way was worse
         }
       }
-      if (!improved) break;
+      if (before - best < 0.1) break;
     }
   }
 }
@@ -478,7 +602,7 @@ JointEstimate estimate_jointly(const SampledScan& scan, const JointOptions& opti
   double evidence = 0;
   for (int round = 0; round < 2; ++round) {
     model.linearize();
-    search_noise(model, options, round == 0 ? 2 : 0.5, round == 0 ? 1 : 0.5, progress);
+    if (!options.noise) search_noise(model, options, round == 0 ? 2 : 0.5, round == 0 ? 1 : 0.5, progress);
     const int n_steps = round == 0 ? 3 : 12;
     for (int i = 0; i < n_steps; ++i) {
       progress.report("joint estimate", (round * 3 + i) / 15.0);

@@ -1,4 +1,5 @@
 #pragma once
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,9 +14,11 @@ struct NoiseModel {
   double drift = 0;         ///< of the slow drift of the frames, per axis, radians
   double drift_length = 0;  ///< over which the drift forgets itself (to 1/e)
   double scale = 0;         ///< of the logarithm of the odometer factor of a curve
-  /// How fast the rate of turn ω of the frames may change along the curves: variance of its change per
-  /// length, rad²/size³. Small on spheres, large on wavy objects.
-  double bending = 0;
+  /// The shape, as the inverse weights of ∫|ω|², ∫|ω'|² and ∫|ω''|² along the curves, ω the rate of turn of
+  /// the frame: rad²/size, rad²/size³, rad²/size⁵. Together they say how smooth the object is and on which
+  /// scale: bending is small on spheres, jerk on gently waving objects, both are large where there are
+  /// features.
+  double stretch = 0, bending = 0, jerk = 0;
 };
 
 /// Options of estimate_jointly().
@@ -25,6 +28,8 @@ struct JointOptions {
   /// Standard deviation of the logarithm of the length factor of each curve where it is known beforehand
   /// (lengths that are only estimated); 0: found from the data.
   double scale_deviation = 0;
+  /// The noise where it is known; found from the data where not.
+  std::optional<NoiseModel> noise;
   double xi = 10000;   ///< agreement of the normals at nodes relative to the data, as in S (3.30)
   bool robust = true;  ///< samples far from the curve lose their say
 };

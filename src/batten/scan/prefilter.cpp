@@ -15,6 +15,10 @@ namespace batten {
 
 namespace {
 
+/// Median of the length of a normally distributed vector with unit variance per axis: √ of the median of χ²₃.
+/// Lengths, not components, so that turning the world changes nothing.
+constexpr double kMedianOfNorm = 1.538172;
+
 double median(std::vector<double>& values) {
   if (values.empty()) return 0;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -141,8 +145,8 @@ CleanCurve merged(const ScanCurve& curve, const std::vector<Eigen::Matrix3d>& fr
     for (int j = i; j < end; ++j)
       if (!outlier[j]) group.push_back(frames[j]);
     const bool is_end = i == 0 || end == n;
-    bool is_node = false;
-    for (const int reading : curve.node_readings) is_node = is_node || (reading >= i && reading < end);
+    const auto node = std::lower_bound(curve.node_readings.begin(), curve.node_readings.end(), i);
+    const bool is_node = node != curve.node_readings.end() && *node < end;
     if (group.empty() && (is_end || is_node)) {
       // The place is needed although its reading is not: a weight of zero lets the neighbours fill it in.
       distances.push_back(curve.distances[i] - curve.distances[0]);
@@ -262,6 +266,25 @@ Eigen::VectorXd shared_counts(const CleanCurve& curve, const Eigen::VectorXd& pa
   return counts;
 }
 
+/// More steps where the frame would turn by more than 60° within one: the regression needs less than 90°.
+int enough_steps(const Window& window, double from, double to, int steps, const PrefilterOptions& options) {
+  constexpr double kMostTurn = radians(60.0);
+  constexpr int kDoublings = 4;
+  for (int doubling = 0; doubling < kDoublings; ++doubling) {
+    const double h = (to - from) / steps;
+    bool enough = true;
+    Eigen::Matrix3d last = frame_at(window, from, options.sigma * h, options.local_linear);
+    for (int k = 1; k <= steps && enough; ++k) {
+      const Eigen::Matrix3d next = frame_at(window, from + k * h, options.sigma * h, options.local_linear);
+      enough = angle_between(last, next) <= kMostTurn;
+      last = next;
+    }
+    if (enough) break;
+    steps *= 2;
+  }
+  return steps;
+}
+
 /// A turn at the seam of a closed curve beyond which it is a corner. Noise and drift of good devices stay
 /// below; a corner that is this blunt is rounded within one step.
 constexpr double kSeamCorner = radians(25.0);
@@ -308,10 +331,9 @@ std::vector<CleanCurve> clean_readings(const Scan& scan, const CleanOptions& opt
           Eigen::Map<Eigen::VectorXd>(kept_distances.data(),
                                       static_cast<Eigen::Index>(kept_distances.size())),
           kept_frames);
-      for (const Eigen::Vector3d& r : residuals[c])
-        for (int a = 0; a < 3; ++a) sizes.push_back(std::abs(r[a]));
+      for (const Eigen::Vector3d& r : residuals[c]) sizes.push_back(r.norm());
     }
-    const double sigma = 1.4826 * median(sizes);  // of a normal distribution, from the median of |r|
+    const double sigma = median(sizes) / kMedianOfNorm;
     for (size_t c = 0; c < frames.size(); ++c) {
       const int n = static_cast<int>(residuals[c].size());
       for (int i = 0; i < n; ++i) {
@@ -348,10 +370,10 @@ double reading_noise(const std::vector<CleanCurve>& curves) {
       // Variance of r per axis in units of that of one reading.
       const double spread =
           1 / curve.counts[i] + (1 - u) * (1 - u) / curve.counts[i - 1] + u * u / curve.counts[i + 1];
-      for (int a = 0; a < 3; ++a) sizes.push_back(std::abs(r[a]) / std::sqrt(spread));
+      sizes.push_back(r.norm() / std::sqrt(spread));
     }
   }
-  return 1.4826 * median(sizes);
+  return median(sizes) / kMedianOfNorm;
 }
 
 SampledScan resample(const Scan& scan, const std::vector<CleanCurve>& curves,
@@ -392,7 +414,8 @@ SampledScan resample(const Scan& scan, const std::vector<CleanCurve>& curves,
     for (size_t s = 0; s + 1 < cuts.size(); ++s) {
       const double from = clean.distances[cuts[s]], to = clean.distances[cuts[s + 1]];
       const int fewest = curve.closed && cuts.size() == 2 ? 3 : 1;  // a loop of fewer steps has no area
-      const int steps = std::max(fewest, static_cast<int>(std::lround((to - from) / options.step)));
+      int steps = std::max(fewest, static_cast<int>(std::lround((to - from) / options.step)));
+      steps = enough_steps(window, from, to, steps, options);
       for (int k = 1; k < steps; ++k) parameters.push_back(from + (to - from) * k / steps);
       parameters.push_back(to);
       sample_of_cut.push_back(static_cast<int>(parameters.size()) - 1);

@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include <Eigen/Dense>
 
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
+#include "batten/core/units.hpp"
 #include "batten/linalg/sparse_cholesky.hpp"
 #include "batten/rotation/so3.hpp"
 
@@ -304,6 +306,8 @@ RegressionReport regression_energy(const SampledScan& scan, const SampledScan& f
 
 SampledScan regress_frames(const SampledScan& scan, const RegressionOptions& options,
                            RegressionReport* report, const Progress& progress) {
+  StageTimes times;
+  std::optional<ScopedStage> setup(std::in_place, times, "setup");
   check(scan, options);
   const FrameNumbering numbering = number_frames(scan);
   const Terms terms = terms_of(scan, numbering, options);
@@ -313,6 +317,7 @@ SampledScan regress_frames(const SampledScan& scan, const RegressionOptions& opt
       X[numbering.frames[c][k]] = scan.curves[c].frames[k];
 
   BlockSystem system(terms);
+  setup.reset();
   const Eigen::Matrix3d normal_by_turn = -hat(Eigen::Vector3d::UnitY());  // d(X e₂) = X (δ × e₂)
   // Robust loss: first the square, then Geman–McClure with a scale that comes down to three times the spread
   // of the residuals, so that the start does not decide which samples are trusted.
@@ -324,8 +329,9 @@ SampledScan regress_frames(const SampledScan& scan, const RegressionOptions& opt
       std::vector<double> residuals;
       for (const Terms::Data& d : terms.data)
         residuals.push_back(so3_log(X[d.frame].transpose() * d.A).norm());
-      // Median of the length of a normal 3-vector: 1.538 σ. The floor keeps exact data exact.
-      const double sigma = std::max(median_of(residuals) / 1.538, 1e-6);
+      // Median of the length of a normal 3-vector: 1.538 σ. The floor keeps exact data: their residuals are
+      // what the smoothing takes off, and none on straight pieces.
+      const double sigma = std::max(median_of(residuals) / 1.538, radians(0.2));
       const double factor = round == 1 ? 24 : round == 2 ? 12 : 6;
       scale = factor * sigma;
     }
@@ -334,6 +340,7 @@ SampledScan regress_frames(const SampledScan& scan, const RegressionOptions& opt
     result.converged = false;
     for (int i = 0; i < options.max_iterations && !result.converged; ++i) {
       progress.report("regression", std::min(1.0, (round + i / 10.0) / n_rounds));
+      std::optional<ScopedStage> assembly(std::in_place, times, "assembly");
       system.clear();
       for (const Terms::Data& d : terms.data) {
         const Chordal c = chordal(X[d.frame], d.A);
@@ -362,10 +369,13 @@ SampledScan regress_frames(const SampledScan& scan, const RegressionOptions& opt
         for (const auto& [a, b] : terms.normals)
           system.add<2>(terms.normal_weight * terms.xi, Eigen::Vector3d(X[a].col(1) - X[b].col(1)), {a, b},
                         {Eigen::Matrix3d(X[a] * normal_by_turn), Eigen::Matrix3d(-X[b] * normal_by_turn)});
+      assembly.reset();
       ++result.iterations;
       // Full Gauss–Newton steps; damped only after a step that raised the energy.
       for (int trial = 0;; ++trial) {
+        std::optional<ScopedStage> stage(std::in_place, times, "factorisation");
         const Eigen::VectorXd delta = system.solve(damping);
+        stage.emplace(times, "update");
         Frames next(X.size());
         double largest = 0;
         for (size_t f = 0; f < X.size(); ++f) {
@@ -401,6 +411,7 @@ SampledScan regress_frames(const SampledScan& scan, const RegressionOptions& opt
     report->converged = converged;
     report->iterations = iterations;
     report->robust_scale = scale;
+    report->times = times;
     report->trust.resize(scan.curves.size());
     for (size_t c = 0; c < scan.curves.size(); ++c)
       report->trust[c] = Eigen::VectorXd::Ones(scan.curves[c].n_samples());

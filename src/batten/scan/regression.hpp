@@ -2,6 +2,7 @@
 #include <vector>
 
 #include "batten/core/progress.hpp"
+#include "batten/core/stage_times.hpp"
 #include "batten/scan/samples.hpp"
 
 namespace batten {
@@ -37,6 +38,7 @@ struct RegressionReport {
   double E_N = 0, E_0 = 0, E_1 = 0, E_2 = 0;
   double robust_scale = 0;             ///< radians; 0 without the robust loss
   std::vector<Eigen::VectorXd> trust;  ///< per curve and sample: 1 kept … 0 ignored by the robust loss
+  StageTimes times;                    ///< "setup", "assembly", "factorisation", "update"
 };
 
 /// Smooths the frames of all curves at once (S 3.5.4), by Gauss–Newton with Levenberg's damping on SO(3)ᴺ,

@@ -30,16 +30,17 @@ void check_readings(const ScanCurve& curve, const std::string& where) {
                        " normals; every reading needs all three"));
   for (Eigen::Index i = 0; i < n; ++i) {
     const Eigen::Vector3d t = curve.tangents.row(i), N = curve.normals.row(i);
-    const std::string reading = concat(where, ", reading ", i + 1);
+    // Made in words only when needed: there may be millions of readings.
+    const auto reading = [&] { return concat(where, ", reading ", i + 1); };
     if (!std::isfinite(curve.distances[i]) || !t.allFinite() || !N.allFinite())
-      fail(reading, "a value is not a finite number; remove the reading");
+      fail(reading(), "a value is not a finite number; remove the reading");
     if (i > 0 && curve.distances[i] < curve.distances[i - 1])
-      fail(reading, concat("the distance decreases from ", curve.distances[i - 1], " to ", curve.distances[i],
-                           "; readings must follow the curve"));
-    if (!(t.norm() > 1e-6)) fail(reading, "the tangent is zero; remove the reading");
-    if (!(N.norm() > 1e-6)) fail(reading, "the normal is zero; remove the reading");
+      fail(reading(), concat("the distance decreases from ", curve.distances[i - 1], " to ",
+                             curve.distances[i], "; readings must follow the curve"));
+    if (!(t.norm() > 1e-6)) fail(reading(), "the tangent is zero; remove the reading");
+    if (!(N.norm() > 1e-6)) fail(reading(), "the normal is zero; remove the reading");
     if (t.normalized().cross(N.normalized()).norm() < kSmallestSine)
-      fail(reading, "the tangent is parallel to the normal; check which device axis points forward");
+      fail(reading(), "the tangent is parallel to the normal; check which device axis points forward");
   }
   if (!(curve.distances[n - 1] > curve.distances[0]))
     fail(where, "all readings have the same distance, so the curve has no length; check the odometer");

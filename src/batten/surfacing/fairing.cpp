@@ -80,16 +80,18 @@ Eigen::MatrixXd FairingSystems::solve(int order, const Eigen::MatrixXd& right_si
   const auto n_unknown = static_cast<Eigen::Index>(vertex_of_unknown_.size());
   const auto n_known = static_cast<Eigen::Index>(vertex_of_known_.size());
   Eigen::MatrixXd B(n_unknown, values.cols()), known(n_known, values.cols());
-  for (Eigen::Index i = 0; i < n_unknown; ++i) {
-    const int v = vertex_of_unknown_[i];
-    B.row(i) = right_side.row(v);
-    if (soft_weights_.size() > 0) B.row(i) += soft_weights_[v] * values.row(v);
+  for (Eigen::Index c = 0; c < values.cols(); ++c) {
+    for (Eigen::Index i = 0; i < n_unknown; ++i) B(i, c) = right_side(vertex_of_unknown_[i], c);
+    if (soft_weights_.size() > 0)
+      for (Eigen::Index i = 0; i < n_unknown; ++i)
+        B(i, c) += soft_weights_[vertex_of_unknown_[i]] * values(vertex_of_unknown_[i], c);
+    for (Eigen::Index i = 0; i < n_known; ++i) known(i, c) = values(vertex_of_known_[i], c);
   }
-  for (Eigen::Index i = 0; i < n_known; ++i) known.row(i) = values.row(vertex_of_known_[i]);
   if (n_known > 0) B -= system(order).known * known;
   const Eigen::MatrixXd X = system(order).factor.solve(B);
   Eigen::MatrixXd result = values;
-  for (Eigen::Index i = 0; i < n_unknown; ++i) result.row(vertex_of_unknown_[i]) = X.row(i);
+  for (Eigen::Index c = 0; c < values.cols(); ++c)
+    for (Eigen::Index i = 0; i < n_unknown; ++i) result(vertex_of_unknown_[i], c) = X(i, c);
   return result;
 }
 

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numeric>
 
@@ -19,12 +20,18 @@ namespace {
 using Eigen::RowVector3d;
 using Eigen::Vector3d;
 
-/// Plane coordinates are rounded to this grid, so that translated, scaled and renumbered input gives the very
-/// same points: ties of the Delaunay triangulation, frequent on symmetric networks, then break the same way.
-constexpr double kGrid = 0.7548776662466927e-9;
+/// Plane coordinates are in units of the mean edge of the patch, which no motion of the network changes, and
+/// rounded to this grid, so that moved, scaled and renumbered input gives the very same points: ties of the
+/// Delaunay triangulation, frequent on symmetric networks, then break the same way.
+constexpr double kGrid = 0.7548776662466927e-7;
 double on_grid(double x) {
   return std::round(x / kGrid) * kGrid;
 }
+
+/// Edges inside a patch ÷ mean edge of its loops. S 4.4.2 bounds areas by h²/2, which this makes h²/4:
+/// vertices keep their distance to the true surface, while the flat triangles between them come half as far
+/// from it.
+constexpr double kInnerEdge = 0.7071067811865476;
 
 double mean_edge(const ScaledNetwork& network, const NetworkCycle& cycle) {
   double sum = 0;
@@ -41,13 +48,15 @@ double mean_edge(const ScaledNetwork& network, const NetworkCycle& cycle) {
 /// farthest from the centre, then the one with the most distant neighbours; ties (symmetric patches) by the
 /// given order.
 std::size_t intrinsic_start(const ScaledNetwork& network, const std::vector<int>& loop,
-                            const RowVector3d& centre) {
+                            const RowVector3d& centre, double unit) {
   const auto n = static_cast<std::ptrdiff_t>(loop.size());
   const auto key = [&](std::ptrdiff_t i, std::ptrdiff_t reach) {
     const auto distance = [&](std::ptrdiff_t j) {
       return (network.positions.row(loop[static_cast<std::size_t>(((j % n) + n) % n)]) - centre).norm();
     };
-    return std::llround((distance(i - reach) + distance(i + reach)) / 0.7548776662466927e-7);
+    // In units that a rotation keeps (the scale of the network is that of its box): near ties, frequent on
+    // symmetric networks with rounded coordinates, then stay as they were.
+    return std::llround((distance(i - reach) + distance(i + reach)) / (unit * kGrid));
   };
   std::ptrdiff_t best = 0;
   for (std::ptrdiff_t i = 1; i < n; ++i)
@@ -60,13 +69,15 @@ std::size_t intrinsic_start(const ScaledNetwork& network, const std::vector<int>
   return static_cast<std::size_t>(best);
 }
 
-/// A region of the plane whose corners are network vertices.
+/// A region of the plane with what its corners stand for.
 struct LaidOut {
   PlaneRegion region;
   std::vector<int> network_vertices;
+  int n_inner = 0;                    ///< corners that are no network vertices: those of cuts
+  std::vector<int> vertex_of_corner;  ///< local numbers of PatchMesh; empty: corner i is network vertex i
 };
 
-LaidOut lay_out_in_plane(const ScaledNetwork& network, const NetworkCycle& cycle) {
+LaidOut lay_out_in_plane(const ScaledNetwork& network, const NetworkCycle& cycle, double unit) {
   RowVector3d centre = RowVector3d::Zero(), normal = RowVector3d::Zero();
   std::size_t count = 0;
   for (const NetworkCycle::Loop& loop : cycle.loops)
@@ -94,7 +105,7 @@ LaidOut lay_out_in_plane(const ScaledNetwork& network, const NetworkCycle& cycle
 
   LaidOut laid_out;
   std::map<int, int> local;
-  const std::size_t start = intrinsic_start(network, cycle.loops.front().vertices, centre);
+  const std::size_t start = intrinsic_start(network, cycle.loops.front().vertices, centre, unit);
   RowVector3d x_axis = network.positions.row(cycle.loops.front().vertices[start]) - centre;
   x_axis -= normal * normal.dot(x_axis);
   if (x_axis.norm() < 1e-9) x_axis = normal.unitOrthogonal();
@@ -109,7 +120,7 @@ LaidOut lay_out_in_plane(const ScaledNetwork& network, const NetworkCycle& cycle
       const auto [place, is_new] = local.emplace(v, static_cast<int>(corners.size()));
       if (is_new) {
         const RowVector3d d = network.positions.row(v) - centre;
-        corners.emplace_back(on_grid(d.dot(x_axis)), on_grid(d.dot(y_axis)));
+        corners.emplace_back(on_grid(d.dot(x_axis) / unit), on_grid(d.dot(y_axis) / unit));
         laid_out.network_vertices.push_back(v);
       }
       loop.push_back(place->second);
@@ -143,17 +154,19 @@ double circumradius(const std::vector<double>& sides) {
 
 /// Maps of S fig. 4.11 that keep the lengths along the loop: to a circle, or to a polygon with one straight
 /// side per segment of the network.
-LaidOut lay_out_by_length(const ScaledNetwork& network, const NetworkCycle& cycle, bool polygon) {
+LaidOut lay_out_by_length(const ScaledNetwork& network, const NetworkCycle& cycle, bool polygon,
+                          double unit) {
   const std::vector<int>& vertices = cycle.loops.front().vertices;
   const std::size_t n = vertices.size();
   RowVector3d centre = RowVector3d::Zero();
   for (const int v : vertices) centre += network.positions.row(v) / static_cast<double>(n);
-  const std::size_t start = intrinsic_start(network, vertices, centre);
+  const std::size_t start = intrinsic_start(network, vertices, centre, unit);
   std::vector<double> length(n);
   for (std::size_t i = 0; i < n; ++i)
     length[i] = (network.positions.row(vertices[(start + i + 1) % n]) -
                  network.positions.row(vertices[(start + i) % n]))
-                    .norm();
+                    .norm() /
+                unit;
   LaidOut laid_out;
   std::vector<int> loop(n);
   std::iota(loop.begin(), loop.end(), 0);
@@ -208,20 +221,106 @@ LaidOut lay_out_by_length(const ScaledNetwork& network, const NetworkCycle& cycl
   return laid_out;
 }
 
-bool fill_plane(const LaidOut& laid_out, double edge, PatchMesh& mesh, std::string& problem) {
+/// Two loops that face each other, as the ends of a tube: cut open along the shortest line between them and
+/// laid out as a trapezoid, whose slanted sides are one line in space.
+LaidOut lay_out_strip(const ScaledNetwork& network, const NetworkCycle& cycle, double edge, double unit) {
+  const std::vector<int>& lower = cycle.loops[0].vertices;
+  const std::vector<int>& upper = cycle.loops[1].vertices;
+  const std::size_t na = lower.size(), nb = upper.size();
+  // The cut runs between the nearest pair; a margin decides ties by order, so that rounding does not.
+  std::size_t a0 = 0, b0 = 0;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < na; ++i)
+    for (std::size_t j = 0; j < nb; ++j) {
+      const double d = (network.positions.row(lower[i]) - network.positions.row(upper[j])).norm();
+      if (d < nearest * (1 - 1e-7)) {
+        nearest = d;
+        a0 = i;
+        b0 = j;
+      }
+    }
+  const auto lengths_from = [&](const std::vector<int>& loop, std::size_t start, bool forwards) {
+    std::vector<double> along = {0};
+    const std::size_t n = loop.size();
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::size_t from = forwards ? (start + i) % n : (start + n - i % n) % n;
+      const std::size_t to = forwards ? (from + 1) % n : (from + n - 1) % n;
+      along.push_back(along.back() +
+                      (network.positions.row(loop[to]) - network.positions.row(loop[from])).norm());
+    }
+    return along;
+  };
+  // Seen from the strip the lower loop runs to the right and the upper one to the left: read it backwards.
+  const std::vector<double> below = lengths_from(lower, a0, true), above = lengths_from(upper, b0, false);
+  double height = 0;
+  for (std::size_t i = 0; i < na; ++i) {
+    const double t = below[i] / below.back() * above.back();
+    const std::size_t j =
+        static_cast<std::size_t>(std::lower_bound(above.begin(), above.end(), t) - above.begin());
+    height +=
+        (network.positions.row(lower[(a0 + i) % na]) - network.positions.row(upper[(b0 + nb - j % nb) % nb]))
+            .norm();
+  }
+  height /= static_cast<double>(na);
+  LaidOut laid_out;
+  std::vector<Eigen::RowVector2d> corners;
+  const auto add = [&](double x, double y, int vertex) {
+    corners.emplace_back(on_grid(x / unit), on_grid(y / unit));
+    laid_out.vertex_of_corner.push_back(vertex);
+  };
+  laid_out.network_vertices = lower;
+  laid_out.network_vertices.insert(laid_out.network_vertices.end(), upper.begin(), upper.end());
+  const double half_below = 0.5 * below.back(), half_above = 0.5 * above.back();
+  for (std::size_t i = 0; i <= na; ++i) add(below[i] - half_below, 0, static_cast<int>((a0 + i) % na));
+  const int pieces = std::max(1, static_cast<int>(std::lround(height / edge)));
+  const int n_network = static_cast<int>(na + nb);
+  laid_out.n_inner = pieces - 1;
+  for (int k = 1; k < pieces; ++k) {
+    const double t = static_cast<double>(k) / pieces;
+    add(half_below + t * (half_above - half_below), t * height, n_network + k - 1);
+  }
+  for (std::size_t i = nb + 1; i-- > 0;)
+    add(above[i] - half_above, height, static_cast<int>(na + (b0 + nb - i % nb) % nb));
+  for (int k = pieces - 1; k > 0; --k) {
+    const double t = static_cast<double>(k) / pieces;
+    add(-half_below - t * (half_above - half_below), t * height, n_network + k - 1);
+  }
+  laid_out.region.loops.emplace_back(corners.size());
+  std::iota(laid_out.region.loops.front().begin(), laid_out.region.loops.front().end(), 0);
+  laid_out.region.corners.resize(static_cast<Eigen::Index>(corners.size()), 2);
+  for (std::size_t i = 0; i < corners.size(); ++i)
+    laid_out.region.corners.row(static_cast<Eigen::Index>(i)) = corners[i];
+  return laid_out;
+}
+
+bool fill_plane(const LaidOut& laid_out, double edge, double unit, PatchMesh& mesh, std::string& problem) {
   TessellationOptions options;
-  options.max_area = 0.5 * edge * edge;
+  options.max_area = 0.5 * (edge / unit) * (edge / unit);
   const Tessellation tessellation = tessellate(laid_out.region, options);
   if (!tessellation.valid) {
     problem = tessellation.problem;
     return false;
   }
   mesh.network_vertices = laid_out.network_vertices;
-  mesh.n_inner = static_cast<int>(tessellation.vertices.rows() - laid_out.region.corners.rows());
+  const auto n_corners = static_cast<int>(laid_out.region.corners.rows());
+  const int n_fixed = static_cast<int>(laid_out.network_vertices.size()) + laid_out.n_inner;
+  mesh.n_inner = static_cast<int>(tessellation.vertices.rows()) - n_corners + laid_out.n_inner;
   mesh.triangles = tessellation.triangles;
   Points flat(tessellation.vertices.rows(), 3);
   flat << tessellation.vertices, Eigen::VectorXd::Zero(flat.rows());
-  mesh.lengths = edge_lengths(flat, mesh.triangles);
+  mesh.lengths = unit * edge_lengths(flat, mesh.triangles);
+  if (laid_out.vertex_of_corner.empty()) return true;
+  for (Eigen::Index f = 0; f < mesh.triangles.rows(); ++f) {
+    for (int k = 0; k < 3; ++k) {
+      int& v = mesh.triangles(f, k);
+      v = v < n_corners ? laid_out.vertex_of_corner[static_cast<std::size_t>(v)] : n_fixed + v - n_corners;
+    }
+    if (mesh.triangles(f, 0) == mesh.triangles(f, 1) || mesh.triangles(f, 1) == mesh.triangles(f, 2) ||
+        mesh.triangles(f, 2) == mesh.triangles(f, 0)) {
+      problem = "its loops are too short for the distance between them";
+      return false;
+    }
+  }
   return true;
 }
 
@@ -236,16 +335,30 @@ PatchMesh mesh_patch_in_space(const ScaledNetwork& network, const NetworkCycle& 
   PatchMesh mesh;
   mesh.layout = PatchLayout::Space;
   std::string problem;
-  if (!fill_loops(network.positions, network.normals, cycle, edge > 0 ? edge : mean_edge(network, cycle),
-                  mesh, problem))
+  if (!fill_loops(network.positions, network.normals, cycle,
+                  edge > 0 ? edge : kInnerEdge * mean_edge(network, cycle), mesh, problem))
     throw InvalidInput(
         concat(patch_name(cycle, patch), " cannot be filled: ", problem, "; split it with another curve"));
   return mesh;
 }
 
+/// The normals of both loops together point into no common direction: the patch is a tube rather than a disc
+/// with a hole.
+static bool is_tube(const ScaledNetwork& network, const NetworkCycle& cycle) {
+  RowVector3d sum = RowVector3d::Zero();
+  std::size_t count = 0;
+  for (const NetworkCycle::Loop& loop : cycle.loops)
+    for (const int v : loop.vertices) {
+      sum += network.normals.row(v);
+      ++count;
+    }
+  return sum.norm() < 0.5 * static_cast<double>(count);
+}
+
 PatchMesh mesh_patch(const ScaledNetwork& network, const NetworkCycle& cycle, int patch, PatchMap map,
                      double edge, std::string& warning) {
-  if (!(edge > 0)) edge = mean_edge(network, cycle);
+  const double unit = mean_edge(network, cycle);
+  if (!(edge > 0)) edge = kInnerEdge * unit;
   for (const NetworkCycle::Loop& loop : cycle.loops)
     if (loop.vertices.size() < 3)
       throw InvalidInput(
@@ -253,12 +366,16 @@ PatchMesh mesh_patch(const ScaledNetwork& network, const NetworkCycle& cycle, in
                  " vertices; a patch needs at least three, so sample its curves more densely"));
   PatchMesh mesh;
   std::string problem;
-  if (map == PatchMap::Plane) {
+  if (cycle.loops.size() == 2 && is_tube(network, cycle)) {
+    mesh.layout = PatchLayout::Strip;
+    if (fill_plane(lay_out_strip(network, cycle, edge, unit), edge, unit, mesh, problem)) return mesh;
+  } else if (map == PatchMap::Plane) {
     mesh.layout = PatchLayout::Plane;
-    if (fill_plane(lay_out_in_plane(network, cycle), edge, mesh, problem)) return mesh;
+    if (fill_plane(lay_out_in_plane(network, cycle, unit), edge, unit, mesh, problem)) return mesh;
   } else if (cycle.loops.size() == 1) {
     mesh.layout = map == PatchMap::Circle ? PatchLayout::Circle : PatchLayout::Polygon;
-    if (fill_plane(lay_out_by_length(network, cycle, map == PatchMap::Polygon), edge, mesh, problem))
+    if (fill_plane(lay_out_by_length(network, cycle, map == PatchMap::Polygon, unit), edge, unit, mesh,
+                   problem))
       return mesh;
   } else {
     problem = "it has several boundary loops";

@@ -10,7 +10,7 @@
 namespace batten::detail {
 
 /// How a patch came to its triangles.
-enum class PatchLayout { Plane, Circle, Polygon, Space };
+enum class PatchLayout { Plane, Circle, Polygon, Strip, Space };
 
 /// The triangles of one patch, before anything is known of its shape but its loops.
 struct PatchMesh {

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
+#include <tuple>
 
 #include <Eigen/Dense>
 
@@ -41,6 +43,12 @@ void check(const CurveNetwork& network, const SurfaceOptions& options) {
   if (!network.has_normals())
     throw InvalidInput(
         "the network has no normals, which the surface is built from; give one unit normal per vertex");
+  network_topology(network);  // indices in range, curves long enough
+  for (std::size_t c = 0; c < network.curves.size(); ++c)
+    for (const int v : network.curves[c].vertices)
+      if (!network.positions.row(v).allFinite() || !network.normals.row(v).allFinite())
+        throw InvalidInput(concat("vertex ", v, " of ", curve_name(network, static_cast<int>(c)),
+                                  " has a coordinate that is not a number; repair or remove it"));
 }
 
 ScaledNetwork scaled(const CurveNetwork& network) {
@@ -60,6 +68,48 @@ ScaledNetwork scaled(const CurveNetwork& network) {
   for (Index v = 0; v < result.normals.rows(); ++v)
     if (result.normals.row(v).norm() > 0) result.normals.row(v).normalize();
   return result;
+}
+
+/// Samples crowded on a curve say little about the normals but much about their noise: two that differ by 5°
+/// at a hundredth of the usual distance bend the propagated normals over in the whole patch. Of samples
+/// closer than 0.3 of the mean step only the first keeps its normal, the others interpolate.
+/// @return how many were changed.
+int calm_crowded_normals(const CurveNetwork& network, ScaledNetwork& s) {
+  constexpr double kCrowded = 0.3;
+  std::vector<int> degree(network.positions.rows(), 0);
+  for (const NetworkCurve& curve : network.curves)
+    for (std::size_t i = 0; i + 1 < curve.vertices.size(); ++i) {
+      ++degree[curve.vertices[i]];
+      ++degree[curve.vertices[i + 1]];
+    }
+  int changed = 0;
+  for (const NetworkCurve& curve : network.curves) {
+    const std::size_t n = curve.vertices.size();
+    std::vector<double> along(n, 0);
+    for (std::size_t i = 1; i < n; ++i)
+      along[i] =
+          along[i - 1] + (s.positions.row(curve.vertices[i]) - s.positions.row(curve.vertices[i - 1])).norm();
+    const double gap = kCrowded * along.back() / static_cast<double>(n - 1);
+    std::vector<std::size_t> kept = {0};
+    for (std::size_t i = 1; i < n; ++i) {
+      const bool node = degree[curve.vertices[i]] != 2 || i + 1 == n;
+      // A sample just before a node gives way to the node.
+      while (node && kept.size() > 1 && along[i] - along[kept.back()] < gap &&
+             degree[curve.vertices[kept.back()]] == 2)
+        kept.pop_back();
+      if (node || along[i] - along[kept.back()] >= gap) kept.push_back(i);
+    }
+    for (std::size_t k = 0; k + 1 < kept.size(); ++k)
+      for (std::size_t i = kept[k] + 1; i < kept[k + 1]; ++i) {
+        const double t = (along[i] - along[kept[k]]) / (along[kept[k + 1]] - along[kept[k]]);
+        const RowVector3d mean =
+            (1 - t) * s.normals.row(curve.vertices[kept[k]]) + t * s.normals.row(curve.vertices[kept[k + 1]]);
+        if (mean.norm() < 1e-9) continue;
+        s.normals.row(curve.vertices[i]) = mean.normalized();
+        ++changed;
+      }
+  }
+  return changed;
 }
 
 /// Two vertices at one place make an edge of no length somewhere; say which before the mesher stumbles.
@@ -119,24 +169,43 @@ struct SurfaceSolver::Implementation {
     progress.report("cycles", 0);
     {
       ScopedStage stage(result.times, "cycles");
+      scaled_network = scaled(network);
+      check_coincident(network, scaled_network);
       CycleReport report = find_cycles(network);
       cycles = std::move(report.cycles);
       result.warnings = std::move(report.warnings);
-      scaled_network = scaled(network);
-      check_coincident(network, scaled_network);
+      if (const int crowded = calm_crowded_normals(network, scaled_network); crowded > 0)
+        result.warnings.push_back(
+            concat(crowded,
+                   " samples closer than 0.3 of the mean step of their curve took the normal "
+                   "between their neighbours; resample the network to use them all"));
     }
     std::vector<char> in_space(cycles.size(), 0);
-    for (int attempt = 0;; ++attempt) {
-      tessellate(in_space, progress);
-      solve(progress);
-      // A patch that folded over gets another layout, once.
-      const std::vector<char> folded = folded_patches();
-      bool again = false;
+    make(in_space, progress);
+    const std::vector<char> folded = folded_patches();
+    if (std::find(folded.begin(), folded.end(), 1) != folded.end()) {
+      // A patch that folded over gets another layout, once; where that is no better, the first is kept.
+      const int before = judge(positions, normals).folded;
+      std::vector<char> retry = in_space;
       for (std::size_t p = 0; p < cycles.size(); ++p)
-        if (folded[p] && !in_space[p]) in_space[p] = again = true;
-      if (!again || attempt > 0) break;
+        if (folded[p]) retry[p] = 1;
+      bool better = false;
+      if (retry != in_space) {
+        try {
+          make(retry, progress);
+          better = judge(positions, normals).folded < before;
+        } catch (const InvalidInput&) {  // not to be filled in space
+        } catch (const SolverFailure&) {
+        }
+        if (!better) make(in_space, progress);
+      }
     }
     finish();
+  }
+
+  void make(std::vector<char>& in_space, const Progress& progress) {
+    tessellate(in_space, progress);
+    solve(progress);
   }
 
   void tessellate(std::vector<char>& in_space, const Progress& progress) {
@@ -357,26 +426,33 @@ struct SurfaceSolver::Implementation {
 
   Soundness judge(const Points& X, const Points& N) const {
     Soundness s;
-    const double least = std::sin(radians(0.5));
+    const double least2 = std::pow(std::sin(radians(0.5)), 2);
     for (Index f = 0; f < triangles.rows(); ++f) {
       const RowVector3d a = X.row(triangles(f, 0)), b = X.row(triangles(f, 1)), c = X.row(triangles(f, 2));
-      const double area2 = (b - a).cross(c - a).norm();
-      const double sides[3] = {(c - b).norm(), (a - c).norm(), (b - a).norm()};
-      const double longest = std::max({sides[0], sides[1], sides[2]});
-      const double shortest = std::min({sides[0], sides[1], sides[2]});
-      // The two longest sides enclose the smallest angle.
-      const double middle = sides[0] + sides[1] + sides[2] - longest - shortest;
-      if (!(area2 > least * longest * middle)) ++s.degenerate;
+      const double sides2[3] = {(c - b).squaredNorm(), (a - c).squaredNorm(), (b - a).squaredNorm()};
+      // The two longest sides enclose the smallest angle; the area is half its sine times both.
+      const double shortest2 = std::min({sides2[0], sides2[1], sides2[2]});
+      const double longer2 = shortest2 > 0 ? sides2[0] * sides2[1] * sides2[2] / shortest2 : 0;
+      if (!((b - a).cross(c - a).squaredNorm() > least2 * longer2)) ++s.degenerate;
       if (is_folded(X, N, f)) ++s.folded;
     }
     return s;
   }
 
+  /// Patches of which more than a thousandth of the area is folded: fewer are slivers beside samples that lie
+  /// close together, which no other layout would mend.
   std::vector<char> folded_patches() const {
+    std::vector<double> folded_area(cycles.size(), 0), area(cycles.size(), 0);
+    for (Index f = 0; f < triangles.rows(); ++f) {
+      const RowVector3d a = positions.row(triangles(f, 0)), b = positions.row(triangles(f, 1)),
+                        c = positions.row(triangles(f, 2));
+      const double size = (b - a).cross(c - a).norm();
+      const auto p = static_cast<std::size_t>(result.patch_of_triangle[static_cast<std::size_t>(f)]);
+      area[p] += size;
+      if (is_folded(positions, normals, f)) folded_area[p] += size;
+    }
     std::vector<char> folded(cycles.size(), 0);
-    for (Index f = 0; f < triangles.rows(); ++f)
-      if (is_folded(positions, normals, f))
-        folded[static_cast<std::size_t>(result.patch_of_triangle[static_cast<std::size_t>(f)])] = 1;
+    for (std::size_t p = 0; p < cycles.size(); ++p) folded[p] = folded_area[p] > 1e-3 * area[p];
     return folded;
   }
 
@@ -402,7 +478,8 @@ struct SurfaceSolver::Implementation {
                  "curves there, or normals that contradict its curves"));
     if (s.degenerate > 0)
       result.warnings.push_back(concat(s.degenerate, " triangles have an angle below half a degree"));
-    result.mesh.triangles = triangles;
+    if (result.mesh.triangles.rows() != triangles.rows() || result.mesh.triangles != triangles)
+      result.mesh.triangles = triangles;
     result.mesh.positions = (positions * scaled_network.diameter).rowwise() + scaled_network.centre;
     // Interpolation is exact, not up to the rounding of the scaling.
     if (!options.soft_constraints)
@@ -445,6 +522,7 @@ const SurfaceResult& SurfaceSolver::move(const Points& positions, const Points& 
   self.scaled_network.normals = normals;
   for (Index v = 0; v < n; ++v)
     if (normals.row(v).norm() > 0) self.scaled_network.normals.row(v).normalize();
+  calm_crowded_normals(self.network, self.scaled_network);
   // The surface that was built plus the displacement of its curves, spread biharmonically, is the base; then
   // the fit. Taken from the surface that was built, not from the last move: moves do not add up errors.
   Eigen::MatrixXd displacement = Eigen::MatrixXd::Zero(self.positions.rows(), 6);

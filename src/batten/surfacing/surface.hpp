@@ -36,7 +36,8 @@ struct SurfaceOptions {
   /// Weight of the soft constraints without a unit: with 1, a wave along a curve of 15 % of the diameter
   /// keeps half its height; the length goes with the weight to the power −1/3 (docs/surface.md).
   double soft_weight = 1.0;
-  /// Length of the edges inside patches, in the unit of the network; 0 takes the mean edge of the curves.
+  /// Length of the edges inside patches, in the unit of the network (areas at most half its square); 0 takes
+  /// 0.71 of the mean edge around each patch.
   double edge_length = 0;
 
   /// The first problem found, naming field and value, or nothing.

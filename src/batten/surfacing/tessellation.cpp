@@ -1,5 +1,7 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <queue>
 #include <tuple>
 
@@ -53,6 +55,8 @@ class Mesher {
     const double s = std::sin(options.min_angle);
     worst_ratio2_ = 1 / (4 * s * s);
   }
+
+  const std::vector<int>& pinned() const { return pinned_; }
 
   Tessellation run() {
     Tessellation result;
@@ -158,6 +162,11 @@ class Mesher {
     if (f->info() != 1) return;
     const Shape shape(f->vertex(0)->point(), f->vertex(1)->point(), f->vertex(2)->point());
     if (!(shape.area > 0)) return;
+    if (blunt_ear(f) >= 0) {  // before everything else: no refinement of its neighbours removes it
+      queue_.push({std::numeric_limits<double>::infinity(), f->vertex(0)->info(), f->vertex(1)->info(),
+                   f->vertex(2)->info(), f});
+      return;
+    }
     const bool large = shape.area > options_.max_area;
     // A small angle between two given edges cannot be mended, nor one over a short given edge alone.
     const bool thin =
@@ -165,6 +174,31 @@ class Mesher {
         !(f->is_constrained(Cdt::ccw(shape.shortest)) && f->is_constrained(Cdt::cw(shape.shortest)));
     if (!large && !thin) return;
     queue_.push({shape.circumradius2, f->vertex(0)->info(), f->vertex(1)->info(), f->vertex(2)->info(), f});
+  }
+
+  /// The corner where two given edges meet at more than 110° under a triangle that cuts them off, or -1. Its
+  /// third side would skip a sample of the curve, and the patch beyond the curve may do the same.
+  static int blunt_ear(Face f) {
+    for (int k = 0; k < 3; ++k) {
+      if (!f->is_constrained(Cdt::ccw(k)) || !f->is_constrained(Cdt::cw(k))) continue;
+      const Kernel::Vector_2 a = f->vertex(Cdt::ccw(k))->point() - f->vertex(k)->point();
+      const Kernel::Vector_2 b = f->vertex(Cdt::cw(k))->point() - f->vertex(k)->point();
+      if (a * b < -0.342 * std::sqrt(a.squared_length() * b.squared_length())) return k;
+    }
+    return -1;
+  }
+
+  /// A vertex into the opening of a blunt ear, as far from its corner as the shorter side is long.
+  void open_ear(Face f, int k) {
+    const Point corner = f->vertex(k)->point();
+    const Kernel::Vector_2 a = f->vertex(Cdt::ccw(k))->point() - corner,
+                           b = f->vertex(Cdt::cw(k))->point() - corner;
+    const double length = std::sqrt(std::min(a.squared_length(), b.squared_length()));
+    const Kernel::Vector_2 chord = b - a;
+    // (corner, ccw, cw) runs counter-clockwise, so the region lies to the left of the chord turned back.
+    const double scale = 0.9 * length / std::sqrt(chord.squared_length());
+    const Point p(corner.x() + chord.y() * scale, corner.y() - chord.x() * scale);
+    if (try_insert(p, f, 0.4 * length)) pinned_.push_back(next_ - 1);
   }
 
   void refine() {
@@ -178,6 +212,11 @@ class Mesher {
       if (f->info() != 1 || f->vertex(0)->info() != task.a || f->vertex(1)->info() != task.b ||
           f->vertex(2)->info() != task.c)
         continue;
+      const int ear = blunt_ear(f);
+      if (ear >= 0) {
+        open_ear(f, ear);
+        continue;
+      }
       const Shape shape(f->vertex(0)->point(), f->vertex(1)->point(), f->vertex(2)->point());
       const Point centre =
           CGAL::circumcenter(f->vertex(0)->point(), f->vertex(1)->point(), f->vertex(2)->point());
@@ -261,13 +300,16 @@ class Mesher {
   std::vector<Face> conflicts_;
   std::vector<Cdt::Edge> rim_;
   int next_ = 0;
+  std::vector<int> pinned_;  ///< vertices that hold blunt ears open; smoothing must leave them in place
 };
 
 /// Evens the triangles out: inner vertices move to the area-weighted mean of the circumcentres around them
 /// (optimal Delaunay triangulation, Chen 2004), where that turns no triangle over, and edges flip to
 /// Delaunay.
-void smooth(Tessellation& mesh, Eigen::Index n_corners, int rounds) {
+void smooth(Tessellation& mesh, Eigen::Index n_corners, const std::vector<int>& pinned, int rounds) {
   const Eigen::Index n = mesh.vertices.rows();
+  std::vector<char> held(static_cast<std::size_t>(n), 0);
+  for (const int v : pinned) held[v] = 1;
   const auto embedded = [&] {
     Points points(n, 3);
     points << mesh.vertices, Eigen::VectorXd::Zero(n);
@@ -288,6 +330,7 @@ void smooth(Tessellation& mesh, Eigen::Index n_corners, int rounds) {
       return (b - a).x() * (c - a).y() - (b - a).y() * (c - a).x();
     };
     for (Eigen::Index v = n_corners; v < n; ++v) {
+      if (held[v]) continue;
       Eigen::RowVector2d sum = Eigen::RowVector2d::Zero();
       double total = 0, least = std::numeric_limits<double>::infinity();
       for (int i = start[v]; i < start[v + 1]; ++i) {
@@ -321,8 +364,9 @@ void smooth(Tessellation& mesh, Eigen::Index n_corners, int rounds) {
 }  // namespace
 
 Tessellation tessellate(const PlaneRegion& region, const TessellationOptions& options) {
-  Tessellation result = Mesher(region, options).run();
-  if (result.valid) smooth(result, region.corners.rows(), options.smoothing_rounds);
+  Mesher mesher(region, options);
+  Tessellation result = mesher.run();
+  if (result.valid) smooth(result, region.corners.rows(), mesher.pinned(), options.smoothing_rounds);
   return result;
 }
 

@@ -1,0 +1,181 @@
+#include "command.hpp"
+#include "model_file.hpp"
+
+#include <memory>
+#include <string>
+
+#include "batten/core/error.hpp"
+#include "batten/core/text.hpp"
+#include "batten/core/units.hpp"
+#include "batten/io/file.hpp"
+#include "batten/io/mesh_io.hpp"
+#include "batten/io/network_io.hpp"
+#include "batten/io/scan_io.hpp"
+#include "batten/network/resample.hpp"
+#include "batten/network/snapping.hpp"
+
+namespace batten::cli {
+
+namespace {
+
+struct ConvertArguments {
+  std::string in, out, resample, weld;
+  bool ascii = false;
+};
+
+/// A length option in the unit of the network.
+double length_in(const CurveNetwork& network, const std::string& text) {
+  double metres_per_unit = 1;
+  if (!network.unit.empty()) {
+    try {
+      const Length one = parse_length("1" + network.unit);
+      if (one.kind == Length::Kind::Metres) metres_per_unit = one.value;
+    } catch (const InvalidInput&) {
+      throw InvalidInput(concat("the unit of the network is '", network.unit,
+                                "', which is no known unit of length; give a plain number or a percentage"));
+    }
+  }
+  const Length length = parse_length(text);
+  return length.in_file_units(bounding_box_diagonal(network.positions), metres_per_unit);
+}
+
+void require(bool holds, const std::string& problem) {
+  if (!holds) throw CLI::ValidationError(problem);
+}
+
+void convert_network(CurveNetwork network, const ConvertArguments& arguments, Outcome& outcome) {
+  const NetworkFormat format = network_format(arguments.out);
+  if (!arguments.weld.empty()) {
+    ScopedStage stage(outcome.times, "weld");
+    WeldReport report;
+    network = welded(network, length_in(network, arguments.weld), &report);
+    outcome.figures["merged_vertices"] = report.n_merged_vertices;
+    outcome.figures["inserted_nodes"] = report.n_inserted_nodes;
+    outcome.figures["removed_curves"] = report.n_removed_curves;
+    outcome.lines.push_back(concat("welded: ", report.n_merged_vertices, " vertices merged, ",
+                                   report.n_inserted_nodes, " nodes inserted"));
+    if (report.n_removed_curves > 0)
+      outcome.warnings.push_back(
+          concat(report.n_removed_curves, " curves shorter than the weld tolerance were removed"));
+  }
+  if (!arguments.resample.empty()) {
+    ScopedStage stage(outcome.times, "resample");
+    const double step = length_in(network, arguments.resample);
+    network = resampled(network, step);
+    outcome.figures["step"] = step;
+  }
+  for (const std::string& loss : losses_in_format(network, format)) outcome.warnings.push_back(loss);
+  {
+    ScopedStage stage(outcome.times, "write");
+    write_network(arguments.out, network);
+  }
+  const NetworkTopology topology = network_topology(network);
+  outcome.figures["kind"] = "network";
+  outcome.figures["curves"] = network.curves.size();
+  outcome.figures["nodes"] = topology.nodes.size();
+  outcome.figures["segments"] = topology.segments.size();
+  outcome.figures["components"] = topology.n_components;
+  outcome.figures["vertices"] = network.positions.rows();
+  outcome.lines.push_back(concat(arguments.out, ": ", network.curves.size(), " curves, ",
+                                 topology.nodes.size(), " nodes, ", network.positions.rows(), " vertices"));
+}
+
+void convert_mesh(const TriangleMesh& mesh, const ConvertArguments& arguments, Outcome& outcome) {
+  require(arguments.resample.empty() && arguments.weld.empty(),
+          "--resample and --weld are for networks; " + arguments.in + " is a mesh");
+  const MeshFormat format = mesh_format(arguments.out);
+  MeshWriteOptions options;
+  options.ascii = arguments.ascii;
+  for (const std::string& loss : losses_in_format(mesh, format, options)) outcome.warnings.push_back(loss);
+  {
+    ScopedStage stage(outcome.times, "write");
+    write_mesh(arguments.out, mesh, options);
+  }
+  outcome.figures["kind"] = "mesh";
+  outcome.figures["vertices"] = mesh.n_vertices();
+  outcome.figures["faces"] = mesh.n_triangles();
+  outcome.lines.push_back(
+      concat(arguments.out, ": ", mesh.n_vertices(), " vertices, ", mesh.n_triangles(), " faces"));
+}
+
+void convert_scan(const ConvertArguments& arguments, Outcome& outcome) {
+  require(arguments.resample.empty() && arguments.weld.empty(),
+          "--resample and --weld are for networks; " + arguments.in + " is a scan");
+  const bool is_log = file_extension(arguments.in) == "csv";
+  if (file_extension(arguments.out) != "rawnet")
+    throw FileError(arguments.out, 0,
+                    "a scan is written as .rawnet; to get a network from it use `batten network`");
+  LogScan scan;
+  {
+    ScopedStage stage(outcome.times, "read");
+    scan = read_scan(arguments.in);
+  }
+  for (const std::string& warning : scan.warnings) outcome.warnings.push_back(warning);
+  if (is_log)
+    outcome.warnings.emplace_back(
+        "orientations were estimated without a calibration; rawnet holds neither the raw readings nor their "
+        "times");
+  {
+    ScopedStage stage(outcome.times, "write");
+    write_rawnet(scan.scan, arguments.out);
+  }
+  long n_readings = 0;
+  for (const ScanCurve& curve : scan.scan.curves) n_readings += curve.n_readings();
+  outcome.figures["kind"] = "scan";
+  outcome.figures["curves"] = scan.scan.curves.size();
+  outcome.figures["readings"] = n_readings;
+  outcome.lines.push_back(
+      concat(arguments.out, ": ", scan.scan.curves.size(), " curves, ", n_readings, " readings"));
+}
+
+Outcome run_convert(const ConvertArguments& arguments) {
+  Outcome outcome;
+  outcome.figures["in"] = arguments.in;
+  outcome.figures["out"] = arguments.out;
+  const std::string extension = file_extension(arguments.in);
+  if (extension == "rawnet" || extension == "csv") {
+    convert_scan(arguments, outcome);
+    return outcome;
+  }
+  Model model;
+  {
+    ScopedStage stage(outcome.times, "read");
+    model = read_model(arguments.in, outcome.warnings);
+  }
+  if (model.mesh)
+    convert_mesh(*model.mesh, arguments, outcome);
+  else
+    convert_network(std::move(*model.network), arguments, outcome);
+  return outcome;
+}
+
+/// Empty when the text is a length above 0, else what is wrong with it.
+std::string length_problem(const std::string& text) {
+  try {
+    return parse_length(text).value > 0 ? std::string() : "must be more than 0: " + text;
+  } catch (const InvalidInput& problem) {
+    return problem.what();
+  }
+}
+
+}  // namespace
+
+void add_convert(CLI::App& app) {
+  auto arguments = std::make_shared<ConvertArguments>();
+  CLI::App* command = add_command(app, "convert", "Write a mesh, a network or a scan in another format.",
+                                  "batten convert sketch.obj net.json --weld 0.5% --resample 1.6%",
+                                  [arguments](Context&) { return run_convert(*arguments); });
+  command->add_option("IN", arguments->in, "Mesh, network or scan")->required();
+  command->add_option("OUT", arguments->out, "File to write; its extension decides the format")->required();
+  command
+      ->add_option("--weld", arguments->weld,
+                   "Networks: make curves meet that come this near to each other (2mm, 0.5%)")
+      ->check(length_problem);
+  command
+      ->add_option("--resample", arguments->resample,
+                   "Networks: sample evenly along Hermite splines (0.05, 2mm, 1.6%)")
+      ->check(length_problem);
+  command->add_flag("--ascii", arguments->ascii, "Meshes: write PLY and STL as text");
+}
+
+}  // namespace batten::cli

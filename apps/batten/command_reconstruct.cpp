@@ -1,0 +1,81 @@
+#include "command.hpp"
+#include "model_file.hpp"
+#include "network_stage.hpp"
+#include "surface_stage.hpp"
+
+#include <memory>
+
+#include "batten/core/text.hpp"
+#include "batten/mesh/compare.hpp"
+
+namespace batten::cli {
+
+namespace {
+
+struct ReconstructArguments {
+  NetworkArguments network;
+  SurfaceArguments surface;
+  std::string against;
+};
+
+/// Distances of the surface, moved rigidly onto it, from a truth.
+void compare_with_truth(const std::string& path, const Context& context, Outcome& outcome) {
+  Model truth;
+  {
+    const ScopedStage stage(outcome.times, "read");
+    truth = read_model(path, outcome.warnings);
+  }
+  const ScopedStage stage(outcome.times, "compare");
+  CompareOptions options;
+  options.registration = RegistrationKind::Rigid;
+  const Comparison comparison =
+      compare(shape_of(*outcome.exhibit.mesh), shape_of(truth), options, context.progress);
+  const double percent = 100 / comparison.diameter;
+  outcome.exhibit.errors = percent * comparison.a_to_b.vertex_distances;
+  outcome.figures["error_percent"] = {{"max", percent * comparison.a_to_b.vertices.max},
+                                      {"mean", percent * comparison.a_to_b.vertices.mean},
+                                      {"rms", percent * comparison.a_to_b.vertices.rms}};
+  outcome.lines.push_back(concat("distance to ", path, ": mean ", percent * comparison.a_to_b.vertices.mean,
+                                 " %, max ", percent * comparison.a_to_b.vertices.max, " % of its diameter"));
+}
+
+Outcome reconstruct(const ReconstructArguments& arguments, Context& context) {
+  check_surface_output(arguments.surface);
+  Outcome outcome, network, surface;
+  const ScanNetwork scanned = run_network_stage(arguments.network, context, network);
+  run_surface_stage(arguments.surface, scanned.network, context, surface);
+
+  // The counts of what was made at the top, as every command has them; the figures of each stage by its name.
+  for (const char* count : {"curves", "nodes", "segments", "cycles", "components", "boundary_loops",
+                            "vertices", "faces", "genus", "watertight"})
+    outcome.figures[count] = surface.figures[count];
+  outcome.figures["network"] = network.figures;
+  outcome.figures["surface"] = surface.figures;
+  outcome.exhibit = std::move(surface.exhibit);
+  for (const Outcome* stage : {&network, &surface}) {
+    outcome.times.add(stage->times);
+    outcome.warnings.insert(outcome.warnings.end(), stage->warnings.begin(), stage->warnings.end());
+    outcome.lines.insert(outcome.lines.end(), stage->lines.begin(), stage->lines.end());
+  }
+  if (!arguments.against.empty()) compare_with_truth(arguments.against, context, outcome);
+  return outcome;
+}
+
+}  // namespace
+
+void add_reconstruct(CLI::App& app) {
+  const auto arguments = std::make_shared<ReconstructArguments>();
+  CLI::App* command =
+      add_command(app, "reconstruct", "Turn a scan of orientations and distances into a fair surface.",
+                  "batten reconstruct scan.rawnet -o surface.ply --network network.json --report report.html",
+                  [arguments](Context& context) { return reconstruct(*arguments, context); });
+  add_surface_options(*command, arguments->surface);
+  command->add_option("--network", arguments->network.output,
+                      "Write the curve network too: .net, .obj or .json");
+  command->add_option(
+      "--against", arguments->against,
+      "Mesh or network known to be true: adds the errors, after a rigid motion, to result and report");
+  add_network_options(*command, arguments->network);
+}
+
+}  // namespace batten::cli

@@ -1,0 +1,103 @@
+// Whole surfacing against one factorisation and solve of the same system, and a re-solve against a
+// back-substitution, at three sizes. Build with -DBATTEN_BUILD_BENCH=ON; see docs/performance.md.
+#include "memory.hpp"
+#include "network/sample_networks.hpp"
+
+#include <map>
+#include <memory>
+
+#include <benchmark/benchmark.h>
+
+#include "batten/operators/laplacian.hpp"
+#include "batten/surfacing/surface.hpp"
+
+namespace batten {
+namespace {
+
+/// Three great circles sampled so that the surface has about `vertices` vertices (14 n², counted).
+CurveNetwork sphere_of(long vertices) {
+  return samples::octahedral_sphere(
+      static_cast<int>(std::lround(std::sqrt(static_cast<double>(vertices) / 14))));
+}
+
+/// The surface of each size, built once and shared by the benchmarks below.
+SurfaceSolver& solver_of(long vertices) {
+  static std::map<long, std::unique_ptr<SurfaceSolver>> solvers;
+  auto& solver = solvers[vertices];
+  if (!solver) {
+    solvers.clear();  // one at a time: the largest fills memory
+    return *(solvers[vertices] = std::make_unique<SurfaceSolver>(sphere_of(vertices)));
+  }
+  return *solver;
+}
+
+void report(benchmark::State& state, const SurfaceResult& surface) {
+  state.counters["vertices"] = static_cast<double>(surface.mesh.n_vertices());
+  state.counters["peak_MB"] = peak_megabytes();
+}
+
+void BM_WholeSurface(benchmark::State& state) {
+  const CurveNetwork network = sphere_of(state.range(0));
+  SurfaceResult surface;
+  for (auto _ : state) surface = surface_network(network);
+  report(state, surface);
+  state.counters["rebuilds"] = surface.rebuilds;
+  for (const auto& [stage, seconds] : surface.times.stages()) state.counters[stage + "_s"] = seconds;
+}
+
+/// K M⁻¹ K over the free vertices of the finished mesh, and three right-hand sides.
+struct System {
+  SparseMatrix lower;
+  Eigen::MatrixXd right;
+};
+System system_of(const SurfaceResult& surface, int columns) {
+  const SparseMatrix K = cotangent_stiffness(surface.mesh.positions, surface.mesh.triangles);
+  const Eigen::VectorXd inverse = lumped_mass(surface.mesh.positions, surface.mesh.triangles).cwiseInverse();
+  std::vector<int> unknown(surface.on_network.size(), -1), known(surface.on_network.size(), -1);
+  int u = 0, k = 0;
+  for (std::size_t v = 0; v < unknown.size(); ++v)
+    (surface.on_network[v] ? known[v] : unknown[v]) = surface.on_network[v] ? k++ : u++;
+  return {squared_stiffness(K, inverse, unknown, known).lower, Eigen::MatrixXd::Ones(u, columns)};
+}
+
+void BM_FactoriseAndSolve(benchmark::State& state) {
+  const SurfaceResult& surface = solver_of(state.range(0)).result();
+  const System system = system_of(surface, 3);
+  for (auto _ : state) {
+    SparseCholesky factor("benchmark");
+    factor.factorize(system.lower);
+    benchmark::DoNotOptimize(factor.solve(system.right));
+  }
+  report(state, surface);
+}
+
+void BM_BackSubstitution(benchmark::State& state) {
+  const SurfaceResult& surface = solver_of(state.range(0)).result();
+  const System system = system_of(surface, 9);  // as many columns as a re-solve needs
+  SparseCholesky factor("benchmark");
+  factor.factorize(system.lower);
+  for (auto _ : state) benchmark::DoNotOptimize(factor.solve(system.right));
+  report(state, surface);
+}
+
+void BM_Resolve(benchmark::State& state) {
+  SurfaceSolver& solver = solver_of(state.range(0));
+  const CurveNetwork network = sphere_of(state.range(0));
+  Points positions = network.positions;
+  for (auto _ : state) {
+    positions.col(2).array() += 1e-4;
+    benchmark::DoNotOptimize(solver.move(positions, network.normals));
+  }
+  report(state, solver.result());
+}
+
+#define SIZES ->Arg(10000)->Arg(100000)->Arg(1000000)->Unit(benchmark::kMillisecond)
+BENCHMARK(BM_WholeSurface) SIZES;
+BENCHMARK(BM_FactoriseAndSolve) SIZES;
+BENCHMARK(BM_BackSubstitution) SIZES;
+BENCHMARK(BM_Resolve) SIZES;
+
+}  // namespace
+}  // namespace batten
+
+BENCHMARK_MAIN();

@@ -1,0 +1,63 @@
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "batten/core/stage_times.hpp"
+
+namespace batten {
+
+/// A picture of a report.
+struct ReportPicture {
+  std::string title;    ///< "isophotes"
+  std::string caption;  ///< what to see in it, a sentence; may be empty
+  std::string png;      ///< the bytes of a PNG file
+  bool wide = false;    ///< takes the whole width
+};
+
+/// A number or word with its name: {"mean error", "0.007", "% of the diameter"}.
+struct ReportFigure {
+  std::string name, value, unit;
+};
+/// Figures under a heading: "Network", "Surface".
+struct ReportTable {
+  std::string title;
+  std::vector<ReportFigure> figures;
+};
+
+/// An option of the run.
+struct ReportOption {
+  std::string name, value;
+  bool is_default = true;
+};
+
+/// Distances to a truth, drawn as a histogram.
+struct ReportErrors {
+  Eigen::VectorXd values;  ///< values that are not finite are left out
+  std::string unit;        ///< "% of the diameter"
+};
+
+/// Everything a report shows; empty parts are left out.
+struct Report {
+  std::string title;         ///< "batten reconstruct"
+  std::string subject;       ///< the file it is about
+  std::string version;       ///< of the program
+  std::string command_line;  ///< to repeat the run
+  std::vector<ReportPicture> pictures;
+  std::vector<ReportTable> tables;
+  std::optional<ReportErrors> errors;
+  std::vector<std::string> warnings;  ///< in words
+  StageTimes times;
+  std::vector<ReportOption> options;
+};
+
+/// One HTML page that needs no other file and no network: pictures inside, light and dark, ready to print.
+/// Any text may stand in the fields; it is escaped. The page says the same for the same report.
+std::string html(const Report& report);
+
+/// Bytes as base64 (RFC 4648) with padding.
+std::string base64(const std::string& bytes);
+
+}  // namespace batten

@@ -1,0 +1,416 @@
+#include "batten/scan/calibration.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <Eigen/QR>
+
+#include "batten/core/error.hpp"
+#include "batten/core/text.hpp"
+#include "batten/core/units.hpp"
+#include "batten/rotation/so3.hpp"
+#include "batten/scan/sensor_log.hpp"
+
+namespace batten {
+
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using Vector9d = Eigen::Matrix<double, 9, 1>;
+using Matrix9d = Eigen::Matrix<double, 9, 9>;
+
+// Nine unknowns, and the median needs some more to be robust.
+constexpr Eigen::Index kFewestReadings = 30;
+// Tukey's constant: 95 % efficient for normal errors.
+constexpr double kTukey = 4.685;
+// The median absolute deviation of a normal distribution is its standard deviation divided by this.
+constexpr double kMadToDeviation = 1.4826;
+// Lengths never agree better than this (relative): sensors have 16 bits.
+constexpr double kSmallestScale = 1e-9;
+// No gyroscope's zero is farther off (rad/s); a steady turn is faster.
+constexpr double kLargestBias = 0.1;
+// Readings in a window that is looked at for rest.
+constexpr Eigen::Index kRestWindow = 20;
+// Below this the unknowns of the fit are not told apart by the readings (smallest to largest eigenvalue of
+// the normal matrix, scaled to a unit diagonal).
+constexpr double kSmallestDeterminacy = 1e-6;
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+Points finite_rows(const Points& all) {
+  Points kept(all.rows(), 3);
+  Eigen::Index n = 0;
+  for (Eigen::Index i = 0; i < all.rows(); ++i)
+    if (all.row(i).allFinite()) kept.row(n++) = all.row(i);
+  kept.conservativeResize(n, 3);
+  return kept;
+}
+
+/// Twelve corners and twenty face centres of an icosahedron: directions at most 37.4° apart from the nearest.
+std::vector<Vector3d> spread_directions() {
+  const double golden = (1 + std::sqrt(5.0)) / 2;
+  std::vector<Vector3d> directions;
+  for (const double a : {-1.0, 1.0})
+    for (const double b : {-golden, golden}) {
+      directions.emplace_back(0, a, b);
+      directions.emplace_back(a, b, 0);
+      directions.emplace_back(b, 0, a);
+    }
+  for (const double a : {-1.0, 1.0})
+    for (const double b : {-1.0, 1.0}) {
+      for (const double c : {-1.0, 1.0}) directions.emplace_back(a, b, c);
+      directions.emplace_back(0, a / golden, b * golden);
+      directions.emplace_back(a / golden, b * golden, 0);
+      directions.emplace_back(b * golden, 0, a / golden);
+    }
+  for (Vector3d& d : directions) d.normalize();
+  return directions;
+}
+
+/// A device axis nearest to a direction, as people call it: "+x".
+std::string axis_in_words(const Vector3d& direction) {
+  Eigen::Index axis = 0;
+  direction.cwiseAbs().maxCoeff(&axis);
+  return concat(direction[axis] < 0 ? "-" : "+", "xyz"[axis]);
+}
+
+struct Coverage {
+  double share = 0;
+  std::string missing;  ///< the device axes nearest to the directions without a reading
+};
+
+Coverage coverage_of(const std::vector<Vector3d>& unit_readings) {
+  static const double kNear = std::cos(radians(20));
+  const std::vector<Vector3d> directions = spread_directions();
+  Coverage coverage;
+  std::array<int, 6> missing{};  // +x −x +y −y +z −z
+  for (const Vector3d& d : directions) {
+    const bool met = std::any_of(unit_readings.begin(), unit_readings.end(),
+                                 [&d](const Vector3d& u) { return u.dot(d) > kNear; });
+    if (met) {
+      coverage.share += 1.0 / static_cast<double>(directions.size());
+      continue;
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+      if (d[axis] > 0.7) ++missing[static_cast<size_t>(2 * axis)];
+      if (d[axis] < -0.7) ++missing[static_cast<size_t>(2 * axis + 1)];
+    }
+  }
+  for (size_t k = 0; k < missing.size(); ++k)
+    if (missing[k] > 0)
+      coverage.missing += concat(coverage.missing.empty() ? "" : ", ", "+-"[k % 2], "xyz"[k / 2]);
+  if (coverage.missing.empty()) coverage.missing = "between the axes";
+  return coverage;
+}
+
+/// Symmetric matrix from its six entries xx, yy, zz, xy, xz, yz.
+Matrix3d symmetric(const Vector9d& p) {
+  Matrix3d m;
+  m << p[0], p[3], p[4], p[3], p[1], p[5], p[4], p[5], p[2];
+  return m;
+}
+
+/// d(M d)/d(entries): the derivative of M d by the six entries, 3 × 6.
+Eigen::Matrix<double, 3, 6> entries_jacobian(const Vector3d& d) {
+  Eigen::Matrix<double, 3, 6> j;
+  j << d.x(), 0, 0, d.y(), d.z(), 0,  //
+      0, d.y(), 0, d.x(), 0, d.z(),   //
+      0, 0, d.z(), 0, d.x(), d.y();
+  return j;
+}
+
+/// Sphere through the readings by linear least squares, then again without the farthest tenth: a start that a
+/// few outliers cannot carry away.
+void fit_sphere(const Points& x, Vector3d& centre, double& radius) {
+  std::vector<Eigen::Index> used(static_cast<size_t>(x.rows()));
+  for (size_t i = 0; i < used.size(); ++i) used[i] = static_cast<Eigen::Index>(i);
+  for (int round = 0; round < 4; ++round) {
+    Eigen::MatrixXd a(static_cast<Eigen::Index>(used.size()), 4);
+    Eigen::VectorXd b(a.rows());
+    for (Eigen::Index r = 0; r < a.rows(); ++r) {
+      const Vector3d p = x.row(used[static_cast<size_t>(r)]);
+      a.row(r) << 2 * p.transpose(), 1;
+      b[r] = p.squaredNorm();
+    }
+    const Eigen::Vector4d solution = a.colPivHouseholderQr().solve(b);
+    centre = solution.head<3>();
+    radius = std::sqrt(std::max(0.0, solution[3] + centre.squaredNorm()));
+    std::vector<std::pair<double, Eigen::Index>> misfits;
+    for (Eigen::Index i = 0; i < x.rows(); ++i)
+      misfits.emplace_back(std::abs((x.row(i).transpose() - centre).norm() - radius), i);
+    std::sort(misfits.begin(), misfits.end());
+    used.clear();
+    for (size_t k = 0; k < misfits.size() * 9 / 10; ++k) used.push_back(misfits[k].second);
+  }
+}
+
+/// The zero of the gyroscope: its mean over the windows in which it is as quiet as it ever gets, give or
+/// take, and slow. Windows of a turn that starts or stops are not quiet.
+void find_gyroscope_bias(const Points& gyroscope, DeviceCalibration& device) {
+  struct Window {
+    double variance;
+    Vector3d mean;
+  };
+  std::vector<Window> windows;
+  for (Eigen::Index i = 0; i + kRestWindow <= gyroscope.rows(); i += kRestWindow / 4) {
+    const auto rows = gyroscope.middleRows(i, kRestWindow);
+    if (!rows.allFinite()) continue;
+    const Eigen::RowVector3d mean = rows.colwise().mean();
+    if (mean.norm() > kLargestBias) continue;
+    windows.push_back({(rows.rowwise() - mean).squaredNorm(), mean.transpose()});
+  }
+  if (windows.empty()) return;
+  const auto quietest = std::min_element(
+      windows.begin(), windows.end(), [](const auto& a, const auto& b) { return a.variance < b.variance; });
+  Vector3d sum = Vector3d::Zero();
+  long n = 0;
+  for (const Window& window : windows) {
+    if (window.variance > 2 * quietest->variance) continue;
+    sum += window.mean;
+    ++n;
+  }
+  device.calibration.gyroscope_bias = sum / static_cast<double>(n);
+  device.gyroscope_windows = n;
+}
+
+}  // namespace
+
+SensorCalibration fit_ellipsoid(const Points& readings, EllipsoidFitReport& report,
+                                const EllipsoidFitOptions& options) {
+  const Points raw = finite_rows(readings);
+  const Eigen::Index n = raw.rows();
+  report = {};
+  report.readings = n;
+  if (n < kFewestReadings)
+    throw InvalidInput(concat("only ", n, " readings, at least ", kFewestReadings,
+                              " are needed; record some seconds while turning the device over all sides"));
+  const Eigen::VectorXd raw_lengths = raw.rowwise().norm();
+  // Everything below is relative to the size of the readings.
+  const double scale = raw_lengths.mean();
+  if (!(scale > 0)) throw InvalidInput("all readings are zero; is the sensor switched on?");
+  const Points x = raw / scale;
+  Vector3d centre;
+  double radius = 0;
+  fit_sphere(x, centre, radius);
+  const double spread = std::sqrt((x.rowwise() - x.colwise().mean()).squaredNorm() / static_cast<double>(n));
+  if (!(spread > 1e-6) || !(radius > 0.1 * spread) || radius > 100)
+    throw InvalidInput("the readings hardly change; turn the device over all sides while recording");
+
+  // Unknowns: six entries of M, then o.
+  Vector9d p = Vector9d::Zero();
+  p.head<3>().setConstant(1 / radius);
+  p.tail<3>() = centre;
+  std::vector<double> residuals(static_cast<size_t>(n));
+  const auto evaluate = [&](const Vector9d& q) {
+    const Matrix3d m = symmetric(q);
+    for (Eigen::Index i = 0; i < n; ++i)
+      residuals[static_cast<size_t>(i)] = (m * (x.row(i).transpose() - q.tail<3>())).norm() - 1;
+  };
+  const auto robust_scale = [&] {
+    std::vector<double> absolute = residuals;
+    for (double& r : absolute) r = std::abs(r);
+    return std::max(kSmallestScale, kMadToDeviation * median(std::move(absolute)));
+  };
+  const auto weight = [](double r, double deviation) {
+    const double u = r / (kTukey * deviation);
+    return std::abs(u) < 1 ? (1 - u * u) * (1 - u * u) : 0.0;
+  };
+  const auto cost = [&](double deviation) {  // Tukey's rho, without its constant factor
+    double sum = 0;
+    for (const double r : residuals) {
+      const double u = std::min(1.0, std::abs(r) / (kTukey * deviation));
+      const double v = 1 - u * u;
+      sum += 1 - v * v * v;
+    }
+    return sum;
+  };
+
+  Matrix9d normal_matrix;
+  double damping = 1e-3;
+  evaluate(p);
+  double deviation = robust_scale();
+  for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
+    report.iterations = iteration + 1;
+    const Matrix3d m = symmetric(p);
+    normal_matrix.setZero();
+    Vector9d gradient = Vector9d::Zero();
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const double w = weight(residuals[static_cast<size_t>(i)], deviation);
+      if (w == 0) continue;
+      const Vector3d d = x.row(i).transpose() - p.tail<3>();
+      const Vector3d y = m * d;
+      const Vector3d direction = y / std::max(y.norm(), 1e-12);
+      Vector9d j;
+      j.head<6>() = entries_jacobian(d).transpose() * direction;
+      j.tail<3>() = -(m.transpose() * direction);
+      normal_matrix += w * j * j.transpose();
+      gradient += w * residuals[static_cast<size_t>(i)] * j;
+    }
+    const double before = cost(deviation);
+    Vector9d step = Vector9d::Zero();
+    bool improved = false;
+    for (int attempt = 0; attempt < 30 && !improved; ++attempt) {
+      Matrix9d damped = normal_matrix;
+      damped.diagonal() +=
+          damping * (normal_matrix.diagonal().array() + 1e-12 * normal_matrix.trace()).matrix();
+      step = -damped.ldlt().solve(gradient);
+      evaluate(p + step);
+      improved = step.allFinite() && cost(deviation) <= before;
+      damping = improved ? std::max(1e-12, damping / 10) : damping * 10;
+    }
+    if (!improved) {
+      evaluate(p);
+      break;
+    }
+    p += step;
+    const double fresh = robust_scale();
+    const bool settled = std::abs(fresh - deviation) < 1e-6 * deviation || fresh <= kSmallestScale;
+    deviation = fresh;
+    if (settled && step.norm() < 1e-12) break;
+  }
+
+  const Matrix3d m = symmetric(p);
+  const Eigen::SelfAdjointEigenSolver<Matrix3d> axes(m);
+  if (!p.allFinite() || !(axes.eigenvalues()[0] > 0) || axes.eigenvalues()[2] > 20 * axes.eigenvalues()[0])
+    throw InvalidInput(
+        "no ellipsoid fits the readings; turn the device over all sides, slowly and away from iron");
+  SensorCalibration calibration;
+  calibration.offset = scale * p.tail<3>();
+  const double strength = 1 / std::cbrt(m.determinant());  // M · strength has determinant 1
+  calibration.matrix = strength * m;
+  report.radius = scale * strength;
+
+  double squares = 0;
+  std::vector<Vector3d> directions;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const double r = residuals[static_cast<size_t>(i)];
+    if (weight(r, deviation) == 0) {
+      ++report.outliers;
+      continue;
+    }
+    squares += r * r;
+    directions.push_back((m * (x.row(i).transpose() - p.tail<3>())).normalized());
+  }
+  const auto kept = static_cast<double>(directions.size());
+  report.rms_residual = std::sqrt(squares / std::max(1.0, kept));
+  report.rms_before = std::sqrt((raw_lengths.array() - scale).square().mean()) / scale;
+  const Coverage coverage = coverage_of(directions);
+  report.coverage = coverage.share;
+  if (coverage.share < options.smallest_coverage)
+    throw InvalidInput(concat("the readings cover only ", std::lround(100 * coverage.share),
+                              " % of all directions; turn the device so that the field also comes from ",
+                              coverage.missing));
+  const Vector9d diagonal = normal_matrix.diagonal().cwiseSqrt().cwiseMax(1e-150);
+  const Eigen::SelfAdjointEigenSolver<Matrix9d> determinacy(
+      diagonal.cwiseInverse().asDiagonal() * normal_matrix * diagonal.cwiseInverse().asDiagonal());
+  if (!(determinacy.eigenvalues()[0] > kSmallestDeterminacy * determinacy.eigenvalues()[8]))
+    throw InvalidInput(
+        "many ellipsoids fit the readings alike: the device was turned about one axis only; turn it over all "
+        "sides");
+  // Covariance of the unknowns at the optimum; normal_matrix is from the last step, close enough.
+  const Matrix9d covariance =
+      squares / std::max(1.0, kept - 9) * normal_matrix.completeOrthogonalDecomposition().pseudoInverse();
+  const Eigen::SelfAdjointEigenSolver<Matrix3d> offset_spread(covariance.bottomRightCorner<3, 3>());
+  report.uncertainty = std::sqrt(std::max(0.0, offset_spread.eigenvalues()[2])) / strength;
+  if (report.uncertainty > options.largest_uncertainty)
+    throw InvalidInput(concat("the zero of the sensor along ",
+                              axis_in_words(offset_spread.eigenvectors().col(2)), " is known only to ",
+                              100 * report.uncertainty,
+                              " % of the field; record longer, and turn the device over all sides slowly"));
+  return calibration;
+}
+
+double align_magnetometer(const Points& accelerometer, const Points& magnetometer, Calibration& calibration) {
+  std::vector<std::pair<Vector3d, Vector3d>> pairs;
+  for (Eigen::Index i = 0; i < std::min(accelerometer.rows(), magnetometer.rows()); ++i) {
+    if (!accelerometer.row(i).allFinite() || !magnetometer.row(i).allFinite()) continue;
+    pairs.emplace_back(calibration.accelerometer.apply(accelerometer.row(i)).normalized(),
+                       calibration.magnetometer.apply(magnetometer.row(i)).normalized());
+  }
+  if (pairs.size() < static_cast<size_t>(kFewestReadings)) return 0;
+  // a · R m = c for all readings. With R = exp(θ) R₀: a·(R₀m) + θ·(R₀m × a) = c, linear in θ and c.
+  Matrix3d R = Matrix3d::Identity();
+  double deviation = 1;
+  for (int iteration = 0; iteration < 30; ++iteration) {
+    std::vector<double> angles;
+    for (const auto& [a, m] : pairs) angles.push_back(a.dot(R * m));
+    const double middle = median(angles);
+    std::vector<double> misfits;
+    for (const double angle : angles) misfits.push_back(std::abs(angle - middle));
+    deviation = std::max(kSmallestScale, kMadToDeviation * median(std::move(misfits)));
+    Eigen::Matrix4d normal_matrix = Eigen::Matrix4d::Zero();
+    Eigen::Vector4d right = Eigen::Vector4d::Zero();
+    for (size_t i = 0; i < pairs.size(); ++i) {
+      const double u = (angles[i] - middle) / (kTukey * deviation);
+      if (std::abs(u) >= 1) continue;
+      const double w = (1 - u * u) * (1 - u * u);
+      Eigen::Vector4d j;
+      j << (R * pairs[i].second).cross(pairs[i].first), -1;
+      normal_matrix += w * j * j.transpose();
+      right -= w * (angles[i] - middle) * j;
+    }
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> eigen(normal_matrix);
+    // Undetermined where the readings turn about one axis only.
+    if (!(eigen.eigenvalues()[0] > 1e-3 * eigen.eigenvalues()[3])) return 0;
+    const Vector3d step = normal_matrix.ldlt().solve(right).head<3>();
+    if (!step.allFinite()) return 0;
+    R = so3_exp(step) * R;
+    if (step.norm() < 1e-13) break;
+  }
+  const double angle = so3_log(R).norm();
+  // Sensors on one chip differ by a few degrees; a large angle means that the recording does not fit.
+  if (angle > radians(20)) return 0;
+  calibration.magnetometer.matrix = R * calibration.magnetometer.matrix;
+  return angle;
+}
+
+DeviceCalibration calibrate_device(const SensorLog& tumble, const EllipsoidFitOptions& options) {
+  DeviceCalibration device;
+  const auto fit = [&](const char* sensor, const Points& readings, EllipsoidFitReport& report) {
+    try {
+      return fit_ellipsoid(readings, report, options);
+    } catch (const InvalidInput& error) {
+      throw InvalidInput(concat(sensor, ": ", error.what()));
+    }
+  };
+  device.calibration.accelerometer = fit("accelerometer", tumble.accelerometer, device.accelerometer);
+  device.calibration.magnetometer = fit("magnetometer", tumble.magnetometer, device.magnetometer);
+  device.alignment = align_magnetometer(tumble.accelerometer, tumble.magnetometer, device.calibration);
+
+  std::vector<double> cosines;
+  for (Eigen::Index i = 0; i < tumble.n_readings(); ++i) {
+    if (!tumble.accelerometer.row(i).allFinite() || !tumble.magnetometer.row(i).allFinite()) continue;
+    const Vector3d up = device.calibration.accelerometer.apply(tumble.accelerometer.row(i)).normalized();
+    const Vector3d field = device.calibration.magnetometer.apply(tumble.magnetometer.row(i)).normalized();
+    cosines.push_back(up.dot(field));
+  }
+  if (!cosines.empty()) device.inclination = std::asin(std::clamp(-median(std::move(cosines)), -1.0, 1.0));
+
+  find_gyroscope_bias(tumble.gyroscope, device);
+
+  for (const auto& [sensor, report] :
+       {std::pair<const char*, const EllipsoidFitReport&>{"accelerometer", device.accelerometer},
+        {"magnetometer", device.magnetometer}}) {
+    if (report.coverage < 0.75)
+      device.warnings.push_back(
+          concat(sensor, ": the readings cover ", std::lround(100 * report.coverage),
+                 " % of all directions; turn the device over all sides for a better fit"));
+    if (report.rms_residual > 0.05)
+      device.warnings.push_back(concat(sensor, ": the calibrated readings still differ by ",
+                                       std::lround(100 * report.rms_residual),
+                                       " % in length; turn more slowly, and away from iron"));
+  }
+  return device;
+}
+
+}  // namespace batten

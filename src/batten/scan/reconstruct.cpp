@@ -1,0 +1,302 @@
+#include "batten/scan/reconstruct.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "batten/core/error.hpp"
+#include "batten/core/text.hpp"
+#include "batten/scan/integration.hpp"
+#include "batten/scan/prefilter.hpp"
+#include "batten/scan/weights.hpp"
+
+namespace batten {
+
+namespace {
+
+/// Above this many samples the noise model is searched for on every second one: its figures do not depend on
+/// the step, and the search solves some two hundred systems.
+constexpr int kSearchSamples = 400;
+/// Curves whose lengths are only estimated: the deviation of the logarithm of their factors.
+constexpr double kEstimatedLengths = 0.15;
+
+/// The distance between readings on average, for "none".
+double mean_step(const SampledScan& scan) {
+  long n = 0;
+  for (const SampledCurve& curve : scan.curves) n += curve.n_samples() - 1;
+  return scan.length() / static_cast<double>(std::max(n, 1L));
+}
+
+void note_regression(const SampledScan& data, const RegressionReport& regression, ScanReport& report) {
+  report.regression = regression;
+  report.iterations = regression.iterations;
+  for (size_t c = 0; c < data.curves.size(); ++c) {
+    const Eigen::VectorXd& trust = regression.trust[c];
+    report.distrusted.push_back(static_cast<double>((trust.array() < 0.25).count()) /
+                                static_cast<double>(trust.size()));
+  }
+}
+
+SampledScan jointly(const Scan& scan, const std::vector<CleanCurve>& clean, const PrefilterOptions& prefilter,
+                    const ScanOptions& options, ScanReport& report, const Progress& progress) {
+  PrefilterOptions sampling = prefilter;
+  sampling.wrap = false;  // the drift at the start of a closed curve is not the drift at its end
+  const SampledScan samples = resample(scan, clean, sampling);
+  JointOptions joint;
+  joint.size = report.size;
+  joint.reading_noise = report.reading_noise;
+  joint.xi = options.xi;
+  joint.robust = options.robust;
+  if (options.lengths == LengthChoice::Estimated) joint.scale_deviation = kEstimatedLengths;
+  if (samples.n_samples() > kSearchSamples && sampling.step > 0) {
+    PrefilterOptions coarse = sampling;
+    coarse.step *= 2;
+    joint.noise = estimate_jointly(resample(scan, clean, coarse), joint, progress).noise;
+  }
+  const JointEstimate estimate = estimate_jointly(samples, joint, progress);
+  report.noise = estimate.noise;
+  report.iterations = estimate.iterations;
+  report.evidence = estimate.evidence;
+  double readings = 0;
+  for (const CleanCurve& curve : clean) readings += curve.counts.sum();
+  const RegressionWeights weights = weights_of(estimate.noise, readings / samples.n_samples());
+  report.lambda = weights.lambda;
+  report.mu = weights.mu;
+  report.weights_reason =
+      concat("noise model of greatest marginal likelihood: white ", degrees(estimate.noise.white),
+             "°, drift ", degrees(estimate.noise.drift), "° over ", 100 * estimate.noise.drift_length,
+             " % of the size, odometer ", 100 * estimate.noise.scale, " %");
+  for (size_t c = 0; c < samples.curves.size(); ++c) {
+    report.factors.push_back(std::exp(estimate.log_factors[static_cast<Eigen::Index>(c)]));
+    report.factor_deviations.push_back(estimate.factor_deviation[static_cast<Eigen::Index>(c)]);
+    const Eigen::VectorXd& trust = estimate.trust[c];
+    report.distrusted.push_back(static_cast<double>((trust.array() < 0.25).count()) /
+                                static_cast<double>(trust.size()));
+  }
+  return estimate.scan;
+}
+
+SampledScan by_regression(const Scan& scan, const std::vector<CleanCurve>& clean,
+                          const PrefilterOptions& prefilter, const ScanOptions& options, StepRule rule,
+                          ClosureForm form, ScanReport& report, const Progress& progress) {
+  const SampledScan samples = resample(scan, clean, prefilter);
+  const double step = mean_step(samples) / report.size;
+  RegressionOptions regression;
+  regression.energy = options.energy;
+  regression.xi = options.xi;
+  regression.robust = options.robust;
+  regression.unit = report.size;
+  if (options.weights == WeightChoice::Auto) {
+    // The noise model, for networks whose closure says nothing.
+    NoiseModel noise;
+    JointOptions joint;
+    joint.size = report.size;
+    joint.reading_noise = report.reading_noise;
+    joint.robust = options.robust;
+    if (integrate_steps(samples, frame_steps(samples, rule), form).n_loops == 0)
+      noise = estimate_jointly(samples, joint, progress).noise;
+    const RegressionWeights weights =
+        choose_weights(samples, report.size, regression, rule, form, &noise, progress);
+    regression.lambda = weights.lambda;
+    regression.mu = weights.mu;
+    report.weights_reason = weights.reason;
+  } else if (options.weights == WeightChoice::Thesis) {
+    report.weights_reason = "lambda = 1, mu = 100 in the unit of the scan, as the thesis uses them";
+    regression.lambda = 1 / report.size;
+    regression.mu = 100 / std::pow(report.size, 3);
+    if (options.energy == RegressionEnergy::Scaled) {
+      regression.lambda = scaled_weight(regression.lambda, step);
+      regression.mu = scaled_weight(regression.mu, step);
+    }
+  } else {
+    report.weights_reason = "given";
+    regression.lambda = options.lambda;
+    regression.mu = options.mu;
+  }
+  report.lambda = regression.lambda;
+  report.mu = regression.mu;
+  RegressionReport result;
+  SampledScan smooth = regress_frames(samples, regression, &result, progress);
+  note_regression(samples, result, report);
+  report.factors.assign(samples.curves.size(), 1.0);
+  return smooth;
+}
+
+/// Loops that close this well, relative to the length of a curve, were drawn or computed, not measured.
+constexpr double kExactClosure = 1e-5;
+
+/// The steps of a scan whose tangents point to the next reading: the chords themselves.
+std::vector<Points> chord_steps(const Scan& scan) {
+  std::vector<Points> steps;
+  for (const ScanCurve& curve : scan.curves) {
+    std::vector<Eigen::RowVector3d> chords;
+    for (Eigen::Index i = 0; i + 1 < curve.n_readings(); ++i) {
+      const double h = curve.distances[i + 1] - curve.distances[i];
+      if (h > 0) chords.push_back(h * curve.tangents.row(i).normalized());
+    }
+    Points rows(static_cast<Eigen::Index>(chords.size()), 3);
+    for (size_t k = 0; k < chords.size(); ++k) rows.row(static_cast<Eigen::Index>(k)) = chords[k];
+    steps.push_back(std::move(rows));
+  }
+  return steps;
+}
+
+/// Curves whose factors closure cannot tell: their deviation is still about what was assumed beforehand.
+void note_undetermined(const Scan& scan, ScanReport& report) {
+  if (report.factor_deviations.size() < 2) return;
+  std::vector<int> open;
+  // About the mean of n independent factors the prior deviation is s √(1 − 1/n).
+  const double n = static_cast<double>(report.factor_deviations.size());
+  const double prior = kEstimatedLengths * std::sqrt(1 - 1 / n);
+  for (size_t c = 0; c < report.factor_deviations.size(); ++c)
+    if (report.factor_deviations[c] > 0.3 * prior) open.push_back(static_cast<int>(c));
+  for (const int c : open) {
+    std::string sentence = concat(
+        "the length of ", curve_label(scan, c), " against the other curves is not determined by closure (",
+        100 * report.factor_deviations[c], " % deviation left); measure this curve");
+    report.undetermined.push_back(sentence);
+    report.warnings.push_back(sentence);
+  }
+}
+
+CurveNetwork assemble(const Scan& scan, const SampledScan& samples, const Points& positions) {
+  const VertexNumbering numbering = number_vertices(samples);
+  CurveNetwork network;
+  network.unit = scan.unit;
+  network.positions = positions.rowwise() - positions.colwise().mean();
+  network.normals = Points::Zero(numbering.n_vertices, 3);
+  for (size_t c = 0; c < samples.curves.size(); ++c) {
+    const SampledCurve& curve = samples.curves[c];
+    NetworkCurve out;
+    out.name = curve.name;
+    out.boundary = curve.boundary;
+    out.vertices = numbering.vertices[c];
+    network.curves.push_back(std::move(out));
+    for (int k = 0; k < curve.n_samples(); ++k)
+      network.normals.row(numbering.vertices[c][k]) += curve.frames[k].col(1).transpose();
+    for (const int sample : curve.node_samples) network.tagged_nodes.push_back(numbering.vertices[c][sample]);
+  }
+  for (int v = 0; v < numbering.n_vertices; ++v) network.normals.row(v).normalize();
+  std::sort(network.tagged_nodes.begin(), network.tagged_nodes.end());
+  network.tagged_nodes.erase(std::unique(network.tagged_nodes.begin(), network.tagged_nodes.end()),
+                             network.tagged_nodes.end());
+  return network;
+}
+
+}  // namespace
+
+std::optional<std::string> ScanOptions::problem() const {
+  const auto negative = [](double value) { return !(value >= 0) || !std::isfinite(value); };
+  if (step && !(step->value > 0)) return concat("step must be > 0, got ", step->value);
+  if (negative(lambda)) return concat("lambda must be >= 0, got ", lambda);
+  if (negative(mu)) return concat("mu must be >= 0, got ", mu);
+  if (negative(xi)) return concat("xi must be >= 0, got ", xi);
+  if (!(sigma > 0 && sigma <= 2)) return concat("sigma must be in (0, 2], got ", sigma);
+  if (lengths == LengthChoice::Estimated &&
+      (weights != WeightChoice::Auto || energy == RegressionEnergy::Thesis))
+    return "lengths can only be estimated with weights auto and the scaled energy";
+  return std::nullopt;
+}
+
+ScanNetwork network_from_scan(const Scan& given, const ScanOptions& options, const Progress& progress) {
+  if (const auto problem = options.problem()) throw InvalidInput(*problem);
+  ScanNetwork result;
+  ScanReport& report = result.report;
+  Scan converted;
+  std::vector<CleanCurve> clean;
+  SampledScan readings;
+  {
+    const ScopedStage stage(report.times, "prefilter");
+    progress.report("prefilter", 0);
+    check_scan(given);
+    report.convention = tangent_convention(given);
+    if (report.convention.uncertain)
+      report.warnings.push_back("it is not certain what the tangents mean: " + report.convention.reason +
+                                "; state it in the file if this is wrong");
+    if (report.convention.convention == TangentConvention::ToNext) converted = frames_at_samples(given);
+    const Scan& scan = report.convention.convention == TangentConvention::ToNext ? converted : given;
+    CleanOptions cleaning;
+    cleaning.robust = options.robust;
+    // Tangents to the next reading come from drawn curves: every one is needed to follow the others.
+    if (report.convention.convention == TangentConvention::ToNext) cleaning = {0, false};
+    clean = clean_readings(scan, cleaning, report.warnings);
+    for (const CleanCurve& curve : clean) {
+      report.outliers.push_back(curve.n_outliers);
+      report.n_duplicates += curve.n_duplicates;
+    }
+    for (const ScanCurve& curve : scan.curves) report.n_readings += curve.n_readings();
+    report.reading_noise = reading_noise(clean);
+    PrefilterOptions none;
+    readings = resample(scan, clean, none);
+    const IntegrationResult raw = integrate_steps(readings, frame_steps(readings, StepRule::ConstantRate),
+                                                  ClosureForm::FirstDifference);
+    report.size = scan_size(raw.positions);
+    report.closure_misfit_before = raw.closure_misfit;
+    report.n_loops = raw.n_loops;
+    if (!(report.size > 0)) throw InvalidInput("the scan has no size: all its points fall together");
+  }
+  const Scan& scan = report.convention.convention == TangentConvention::ToNext ? converted : given;
+  PrefilterOptions prefilter;
+  prefilter.sigma = options.sigma;
+  if (options.step) prefilter.step = options.step->in_file_units(report.size);
+  if (options.step && prefilter.step > 0.5 * report.size)
+    throw InvalidInput(concat("the step ", prefilter.step, " is more than half the size of the scan, ",
+                              report.size, "; take a smaller one"));
+  const StepRule rule =
+      options.scheme == IntegrationScheme::Thesis ? StepRule::Tangent : StepRule::ConstantRate;
+  const ClosureForm form = options.scheme == IntegrationScheme::Thesis ? ClosureForm::SecondDifference
+                                                                       : ClosureForm::FirstDifference;
+  // Drawn curves at their own samples: the chords close exactly, so there is no noise to take off them; only
+  // the normals at nodes are made to agree.
+  const bool exact_chords =
+      report.convention.convention == TangentConvention::ToNext && report.convention.forward_misfit >= 0 &&
+      report.convention.forward_misfit < kExactClosure && !options.step &&
+      options.weights == WeightChoice::Auto && options.lengths == LengthChoice::Measured;
+  if (exact_chords) {
+    const ScopedStage stage(report.times, "regression");
+    RegressionOptions regression;
+    regression.unit = report.size;
+    regression.xi = options.xi;
+    RegressionReport done;
+    result.samples = regress_frames(resample(scan, clean, prefilter), regression, &done, progress);
+    note_regression(result.samples, done, report);
+    report.factors.assign(result.samples.curves.size(), 1.0);
+    report.weights_reason =
+        concat("the tangents lead round the loops to within ", report.convention.forward_misfit,
+               " of a curve's length: taken as exact, nothing to smooth");
+  } else {
+    const ScopedStage stage(report.times, "regression");
+    const bool joint = options.weights == WeightChoice::Auto && options.energy == RegressionEnergy::Scaled;
+    result.samples = joint ? jointly(scan, clean, prefilter, options, report, progress)
+                           : by_regression(scan, clean, prefilter, options, rule, form, report, progress);
+  }
+  {
+    const ScopedStage stage(report.times, "integration");
+    progress.report("integration", 0);
+    const IntegrationResult placed = integrate_steps(
+        result.samples, exact_chords ? chord_steps(given) : frame_steps(result.samples, rule), form);
+    report.closure_misfit = placed.closure_misfit;
+    result.network = assemble(scan, result.samples, placed.positions);
+  }
+  report.step = mean_step(result.samples);
+  report.n_samples = result.samples.n_samples();
+  const NetworkTopology topology = network_topology(result.network);
+  report.n_curves = static_cast<int>(result.network.curves.size());
+  report.n_nodes = static_cast<int>(topology.nodes.size());
+  report.n_segments = static_cast<int>(topology.segments.size());
+  if (options.lengths == LengthChoice::Estimated) note_undetermined(scan, report);
+  for (int c = 0; c < report.n_curves; ++c) {
+    const double share =
+        static_cast<double>(report.outliers[c]) / static_cast<double>(scan.curves[c].n_readings());
+    if (share > 0.2)
+      report.warnings.push_back(concat(curve_label(scan, c), ": ", report.outliers[c], " of ",
+                                       scan.curves[c].n_readings(),
+                                       " readings were outliers; record it again"));
+    if (report.distrusted[c] > 0.03)
+      report.warnings.push_back(concat(curve_label(scan, c), ": ", 100 * report.distrusted[c],
+                                       " % of its samples contradict the rest and were ignored (a magnetic "
+                                       "disturbance?); check it or record it again"));
+  }
+  return result;
+}
+
+}  // namespace batten

@@ -1,0 +1,95 @@
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "batten/core/progress.hpp"
+#include "batten/core/stage_times.hpp"
+#include "batten/core/units.hpp"
+#include "batten/network/curve_network.hpp"
+#include "batten/scan/convention.hpp"
+#include "batten/scan/joint.hpp"
+#include "batten/scan/regression.hpp"
+#include "batten/scan/scan.hpp"
+
+namespace batten {
+
+/// Where λ and μ come from.
+enum class WeightChoice {
+  /// From the data. With the scaled energy: frames, drift and odometer factors together (estimate_jointly()).
+  /// With the thesis energy: the pair whose network closes best (choose_weights()).
+  Auto,
+  Thesis,  ///< λ = 1, μ = 100 with the unit of the scan as the unit of length (S 3.7.2)
+  Given,   ///< ScanOptions::lambda and mu, lengths in sizes of the scan
+};
+
+/// How positions are integrated.
+enum class IntegrationScheme {
+  Midpoint,  ///< turning frames (StepRule::ConstantRate), first-difference form: second order, O(N)
+  Thesis,    ///< S (3.32): tangents at the samples, second-difference form: first order
+};
+
+/// What the distances of the readings are worth.
+enum class LengthChoice {
+  Measured,   ///< right up to the error of an odometer
+  Estimated,  ///< each curve's right up to one unknown factor: the factors are found from closure
+};
+
+/// Options of network_from_scan(). The defaults are those of `batten network`.
+struct ScanOptions {
+  /// Distance between samples; nothing: the samples are the readings themselves.
+  std::optional<Length> step = Length{0.016, Length::Kind::Relative};
+  WeightChoice weights = WeightChoice::Auto;
+  double lambda = 0, mu = 0;  ///< for WeightChoice::Given
+  RegressionEnergy energy = RegressionEnergy::Scaled;
+  double xi = 10000;   ///< agreement of the normals at nodes (S 3.30)
+  bool robust = true;  ///< outliers are removed also in runs, and samples far off the curve lose their say
+  IntegrationScheme scheme = IntegrationScheme::Midpoint;
+  LengthChoice lengths = LengthChoice::Measured;
+  double sigma = 0.35;  ///< radius of the pre-filter as a part of the step, S 3.5.3; (0, 2]
+
+  /// The first problem found, naming field and value, or nothing.
+  std::optional<std::string> problem() const;
+};
+
+/// What happened on the way. Lengths in the unit of the scan, angles in radians.
+struct ScanReport {
+  double size =
+      0;  ///< twice the greatest distance from the centroid after unfiltered integration (METHODS 0)
+  double step = 0;  ///< mean distance between samples
+  int n_curves = 0, n_nodes = 0, n_segments = 0, n_loops = 0;
+  long n_readings = 0, n_samples = 0, n_duplicates = 0;
+  std::vector<int> outliers;       ///< per curve: readings removed
+  std::vector<double> distrusted;  ///< per curve: share of the samples that the robust loss holds for wrong
+  ConventionReport convention;
+  double reading_noise = 0;   ///< of one reading, per axis
+  double lambda = 0, mu = 0;  ///< as used, or what the noise model stands for; lengths in sizes
+  std::string weights_reason;
+  std::optional<NoiseModel> noise;        ///< with the joint estimate
+  std::vector<double> factors;            ///< per curve: length used over length measured
+  std::vector<double> factor_deviations;  ///< their standard deviations; empty without the joint estimate
+  std::vector<std::string> undetermined;  ///< ratios of lengths that closure leaves open, in words
+  double closure_misfit_before = 0;       ///< root mean square over segments, unfiltered
+  double closure_misfit = 0;              ///< with the frames and lengths found
+  RegressionReport regression;            ///< of the plain regression
+  int iterations = 0;
+  double evidence = 0;  ///< −2 log marginal likelihood of the joint estimate
+  std::vector<std::string> warnings;
+  StageTimes times;
+};
+
+/// A reconstructed network: one curve per curve of the scan in its order; nodes first among the vertices, by
+/// increasing number; closed curves repeat their first vertex. The mean of the vertices is the origin.
+struct ScanNetwork {
+  CurveNetwork network;
+  ScanReport report;
+  SampledScan samples;  ///< the frames behind it
+};
+
+/// From readings to positions: outliers and duplicates, pre-filter, frames (with drift and odometer factors,
+/// or by the plain regression), integration (S 3.5–3.6).
+/// @throws InvalidInput with curve, reading or node and the remedy; SolverFailure; Cancelled.
+ScanNetwork network_from_scan(const Scan& scan, const ScanOptions& options = {},
+                              const Progress& progress = {});
+
+}  // namespace batten

@@ -1,0 +1,291 @@
+#include "apps/run_batten.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <set>
+#include <sstream>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace batten::test {
+namespace {
+
+std::set<std::string> files() {
+  std::set<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(scratch()))
+    names.insert(entry.path().filename());
+  names.erase(".stdout"), names.erase(".stderr");
+  return names;
+}
+
+/// Bad input ends with 3, nothing on stdout, one sentence on stderr that holds every word given, no new file.
+void expect_refused(const std::string& arguments, const std::vector<std::string>& words) {
+  SCOPED_TRACE("batten " + arguments);
+  const std::set<std::string> before = files();
+  const auto run = run_batten(arguments);
+  EXPECT_EQ(run.exit_code, 3) << run.err;
+  EXPECT_EQ(run.out, "");
+  EXPECT_EQ(run.err.rfind("batten: ", 0), 0U) << run.err;
+  EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
+  for (const std::string& word : words) EXPECT_NE(run.err.find(word), std::string::npos) << word << run.err;
+  EXPECT_EQ(files(), before) << "nothing may be left behind";
+}
+
+/// A circle of eight chords' readings with two nodes on the border, and its diameter.
+const std::vector<std::string>& good_scan() {
+  static const std::vector<std::string> lines{"2",  // line 1: number of curves
+                                              "1",
+                                              "1",
+                                              "3",
+                                              "1 5 9",
+                                              "0 1 0",
+                                              "9",
+                                              "0 0 1 0 0 0 1",  // line 8: the first reading of curve 1
+                                              "0.785 -0.707 0.707 0 0 0 1",
+                                              "1.571 -1 0 0 0 0 1",
+                                              "2.356 -0.707 -0.707 0 0 0 1",
+                                              "3.142 0 -1 0 0 0 1",
+                                              "3.927 0.707 -0.707 0 0 0 1",
+                                              "4.712 1 0 0 0 0 1",
+                                              "5.498 0.707 0.707 0 0 0 1",
+                                              "6.283 0 1 0 0 0 1",
+                                              "0",  // line 17: curve 2
+                                              "0",
+                                              "2",
+                                              "1 3",
+                                              "0 1",
+                                              "3",
+                                              "0 -1 0 0 0 0 1",  // line 23
+                                              "1 -1 0 0 0 0 1",
+                                              "2 -1 0 0 0 0 1"};
+  return lines;
+}
+
+std::string text(const std::vector<std::string>& lines) {
+  std::string all;
+  for (const std::string& line : lines) all += line + "\n";
+  return all;
+}
+
+/// The good scan with some lines replaced, numbered from 1.
+std::string scan_with(const std::vector<std::pair<int, std::string>>& changes) {
+  std::vector<std::string> lines = good_scan();
+  for (const auto& [line, change] : changes) lines[line - 1] = change;
+  return text(lines);
+}
+
+// Without this the refusals below could have any other cause.
+TEST(BadInput, TheScanThatIsSpoiltBelowIsGood) {
+  write_file("good.rawnet", text(good_scan()));
+  const auto run = run_batten("network good.rawnet -o good_network.json --step none --weights 0,0");
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_TRUE(file_exists("good_network.json"));
+}
+
+TEST(BadInput, EveryTruncatedScanIsRefusedAtItsEnd) {
+  const std::vector<std::string>& lines = good_scan();
+  for (size_t n = 0; n < lines.size(); ++n) {
+    write_file("bad.rawnet", text({lines.begin(), lines.begin() + static_cast<long>(n)}));
+    expect_refused("network bad.rawnet -o out.json", {"bad.rawnet:"});
+  }
+  write_file("bad.rawnet", text(good_scan()).substr(0, text(good_scan()).size() - 6));  // within a row
+  expect_refused("network bad.rawnet -o out.json", {"bad.rawnet:25", "7"});
+}
+
+struct SpoiltScan {
+  const char* name;
+  std::vector<std::pair<int, std::string>> changes;
+  std::vector<std::string> words;
+};
+
+TEST(BadInput, SpoiltScansAreRefusedWithFileLineAndCause) {
+  const std::vector<SpoiltScan> cases{
+      {"more curves announced than there are", {{1, "3"}}, {"bad.rawnet:26", "curve 3 of 3"}},
+      {"fewer curves announced than there are", {{1, "1"}}, {"bad.rawnet:17", "number of curves"}},
+      {"no curves, or a list of files that is none", {{1, "0"}}, {"bad.rawnet:3"}},
+      {"a negative count", {{1, "-2"}}, {"bad.rawnet:1"}},
+      {"a count beyond any file", {{7, "99999999999999999999"}}, {"bad.rawnet:7"}},
+      {"one reading too many announced", {{7, "10"}}, {"bad.rawnet:17"}},
+      {"one reading too few announced", {{7, "8"}}, {"bad.rawnet:"}},
+      {"one node too many announced", {{4, "4"}}, {"bad.rawnet:5"}},
+      {"a node at a reading that is not there", {{5, "1 5 10"}}, {"bad.rawnet:", "10"}},
+      {"a node at reading 0", {{5, "0 5 9"}}, {"bad.rawnet:"}},
+      {"a node number out of range", {{6, "0 7 0"}}, {"bad.rawnet", "7"}},
+      {"nodes that run backwards", {{5, "5 1 9"}}, {"bad.rawnet:", "increas"}},
+      {"not a number", {{10, "1.571 nan 0 0 0 0 1"}}, {"bad.rawnet:10"}},
+      {"infinity", {{10, "1.571 -1 inf 0 0 0 1"}}, {"bad.rawnet:10"}},
+      {"a word", {{10, "1.571 -1 zero 0 0 0 1"}}, {"bad.rawnet:10", "zero"}},
+      {"a zero tangent", {{10, "1.571 0 0 0 0 0 1"}}, {"bad.rawnet:10", "tangent"}},
+      {"a zero normal", {{10, "1.571 -1 0 0 0 0 0"}}, {"bad.rawnet:10", "normal"}},
+      {"tangent along the normal", {{10, "1.571 0 0 1 0 0 1"}}, {"bad.rawnet:10", "parallel"}},
+      {"decreasing distance", {{10, "0.5 -1 0 0 0 0 1"}}, {"bad.rawnet:10", "distance"}},
+      {"a reading with too few numbers", {{10, "1.571 -1 0 0 0 0"}}, {"bad.rawnet:10"}},
+      {"a reading with too many numbers", {{10, "1.571 -1 0 0 0 0 1 9"}}, {"bad.rawnet:10"}},
+      {"parts that do not touch", {{6, "0 1 0"}, {21, "2 3"}}, {"curve 2", "not connected"}},
+      {"a closed curve that ends elsewhere", {{6, "0 1 1"}}, {"curve 1"}},
+      {"a flag that is neither", {{2, "2"}}, {"bad.rawnet:2"}},
+  };
+  for (const SpoiltScan& spoilt : cases) {
+    SCOPED_TRACE(spoilt.name);
+    write_file("bad.rawnet", scan_with(spoilt.changes));
+    expect_refused("network bad.rawnet -o out.json", spoilt.words);
+  }
+}
+
+TEST(BadInput, AScanWithoutCurvesIsRefused) {
+  write_file("bad.rawnet", "# nothing yet\n0\n");
+  expect_refused("network bad.rawnet -o out.json", {"bad.rawnet:", "no curves"});
+}
+
+TEST(BadInput, ACurveWithOneReadingIsRefused) {
+  write_file("bad.rawnet", "1\n0\n0\n1\n1\n0\n1\n0 1 0 0 0 0 1\n");
+  expect_refused("network bad.rawnet -o out.json", {"bad.rawnet:7", "curve 1", "at least 2"});
+}
+
+// All readings at one place: there is no curve, whatever the orientations say.
+TEST(BadInput, ACurveWithoutLengthIsRefused) {
+  write_file("bad.rawnet", "1\n0\n0\n0\n2\n1 1 0 0 0 0 1\n1 0 1 0 0 0 1\n");
+  expect_refused("network bad.rawnet -o out.json", {"curve 1"});
+}
+
+TEST(BadInput, EveryCommandRefusesEmptyFilesFoldersGarbageAndNothing) {
+  std::string garbage;
+  for (unsigned i = 1, x = 12345; i <= 3000; ++i) {
+    x = 1664525 * x + 1013904223;
+    garbage += static_cast<char>(x >> 24);
+  }
+  const std::vector<std::pair<std::string, std::vector<std::string>>> commands{
+      {"network", {"rawnet", "csv"}},
+      {"reconstruct", {"rawnet", "csv"}},
+      {"calibrate", {"csv"}},
+      {"surface", {"net", "obj", "json", "txt"}},
+      {"info", {"rawnet", "csv", "ply", "off", "stl", "obj", "net", "json", "txt"}},
+      {"render", {"ply", "off", "obj"}},
+      {"convert", {"ply", "stl", "net"}},
+      {"compare", {"ply", "off", "net"}},
+      {"simulate", {"ply", "off", "stl", "obj"}}};
+  const auto line_for = [](const std::string& command, const std::string& input) {
+    if (command == "info") return "info " + input;
+    if (command == "convert") return "convert " + input + " out.json";
+    if (command == "compare") return "compare " + input + " " + input;
+    const std::string output = command == "render"                              ? "out.png"
+                               : command == "simulate"                          ? "out.rawnet"
+                               : command == "network" || command == "calibrate" ? "out.json"
+                                                                                : "out.ply";
+    return command + " " + input + " -o " + output;
+  };
+  for (const auto& [command, extensions] : commands) {
+    for (const std::string& extension : extensions) {
+      write_file("empty." + extension, "");
+      write_file("garbage." + extension, garbage);
+      std::filesystem::create_directories(scratch() + "/folder." + extension);
+      for (const char* stem : {"empty.", "garbage.", "folder.", "missing."})
+        expect_refused(line_for(command, stem + extension), {stem + extension});
+    }
+  }
+}
+
+TEST(BadInput, SpoiltNetworksAreRefused) {
+  // A square with a border that is not tagged, without normals, with an index beyond the vertices, …
+  const std::string points = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+  const std::string normals = "vn 0 0 1\nvn 0 0 1\nvn 0 0 1\nvn 0 0 1\n";
+  write_file("bad.obj", points + normals + "l 1 2 3 9\n");
+  expect_refused("surface bad.obj -o out.ply", {"bad.obj:9", "9"});
+  write_file("bad.obj", points + normals + "l 1 2 3 0\n");
+  expect_refused("surface bad.obj -o out.ply", {"bad.obj:9"});
+  write_file("bad.obj", "v 0 0 0\nv 1 nan 0\nv 1 1 0\n" + normals + "l 1 2 3 1\n");
+  expect_refused("surface bad.obj -o out.ply", {"bad.obj:2"});
+  write_file("bad.obj", points + "l 1 2 3 4 1\n");
+  expect_refused("surface bad.obj -o out.ply", {"normal"});
+  write_file("bad.obj", points + normals);
+  expect_refused("surface bad.obj -o out.ply", {"bad.obj"});
+  // One curve that dangles bounds nothing.
+  write_file("bad.obj", points + normals + "l 1 2 3\n");
+  expect_refused("surface bad.obj -o out.ply", {"curve"});
+  write_file("bad.json", R"({"format": "batten-network", "version": 1, "positions": [[0,0,0],[1,0,0]],
+    "normals": [[0,0,1]], "curves": [{"vertices": [0, 1]}]})");
+  expect_refused("surface bad.json -o out.ply", {"bad.json", "normals"});
+  write_file("bad.json", R"({"format": "batten-network", "version": 1, "positions": [[0,0,0],[1,0,0]],
+    "curves": [{"vertices": [0, 7]}]})");
+  expect_refused("surface bad.json -o out.ply", {"bad.json", "7"});
+  write_file("bad.json", R"({"format": "batten-network", "version": 1, "positions": [[0,0,0],[1,0)");
+  expect_refused("surface bad.json -o out.ply", {"bad.json"});
+}
+
+TEST(BadInput, OutputThatCannotBeWrittenIsToldAndLeavesNothing) {
+  write_file("good.rawnet", text(good_scan()));
+  write_file("t.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+  std::filesystem::create_directories(scratch() + "/taken.json");
+  expect_refused("network good.rawnet --step none --weights 0,0 -o no/such/folder/net.json", {"net.json"});
+  expect_refused("network good.rawnet --step none --weights 0,0 -o taken.json", {"taken.json", "folder"});
+  for (const char* line :
+       {"network good.rawnet -o out.xyz", "surface good.rawnet -o out.xyz",
+        "reconstruct good.rawnet -o out.xyz", "reconstruct good.rawnet -o out.ply --network out.xyz"})
+    expect_refused(line, {"out.xyz", "extension"});
+  expect_refused("simulate sphere --step 5% -o no/such/folder/scan.rawnet", {"scan.rawnet"});
+  expect_refused("convert t.off no/such/folder/t.ply", {"t.ply"});
+  expect_refused("render t.off --size 40x40 -o no/such/folder/t.png", {"t.png"});
+  expect_refused("info t.off --report no/such/folder/report.html", {"report.html"});
+}
+
+// A reader that copies or searches quadratically would not come back from this in the time of the test.
+TEST(BadInput, ALongScanIsReadToItsWrongEnd) {
+  constexpr int kReadings = 200000;
+  std::ostringstream long_scan;
+  long_scan << "1\n0\n0\n0\n" << kReadings << "\n";
+  for (int i = 0; i + 1 < kReadings; ++i) long_scan << i << " 1 0 0 0 0 1\n";
+  write_file("long.rawnet", long_scan.str() + "0 1 0 0 0 0 1\n");
+  expect_refused("network long.rawnet -o out.json", {"long.rawnet:200005", "distance"});
+}
+
+TEST(BadUsage, EndsWithTwoAndSaysWhatIsWrong) {
+  write_file("good.rawnet", text(good_scan()));
+  for (const char* usage : {"",
+                            "sew",
+                            "network",
+                            "network good.rawnet",
+                            "network good.rawnet -o",
+                            "network good.rawnet -o out.json --step 0",
+                            "network good.rawnet -o out.json --step -1%",
+                            "network good.rawnet -o out.json --step wide",
+                            "network good.rawnet -o out.json --weights 1",
+                            "network good.rawnet -o out.json --weights -1,1",
+                            "network good.rawnet -o out.json --energy big",
+                            "network good.rawnet -o out.json --xi -1",
+                            "network good.rawnet -o out.json --robust maybe",
+                            "network good.rawnet -o out.json --scheme euler",
+                            "network good.rawnet -o out.json --lengths guessed",
+                            "network good.rawnet -o out.json --lengths estimated --weights thesis",
+                            "network good.rawnet -o out.json --no-such-option",
+                            "surface n.net -o out.ply --rebuilds -1",
+                            "surface n.net -o out.ply --rebuilds many",
+                            "surface n.net -o out.ply --method cubic",
+                            "surface n.net -o out.ply --constraints loose",
+                            "surface n.net -o out.ply --soft-weight -1",
+                            "surface n.net -o out.ply --map globe",
+                            "reconstruct good.rawnet",
+                            "simulate sphere",
+                            "simulate dodecahedron -o out.rawnet",
+                            "simulate sphere -o out.xyz",
+                            "simulate sphere -o out.rawnet --seed x",
+                            "simulate sphere -o out.rawnet --outliers 150%",
+                            "simulate sphere -o out.rawnet --orientation-noise 2mm",
+                            "simulate sphere -o out.rawnet --step 0",
+                            "compare a.ply",
+                            "info",
+                            "convert a.ply",
+                            "calibrate good.csv",
+                            "render a.ply"}) {
+    SCOPED_TRACE(std::string("batten ") + usage);
+    const std::set<std::string> before = files();
+    const auto run = run_batten(usage);
+    EXPECT_EQ(run.exit_code, 2) << run.err;
+    EXPECT_EQ(run.out, "");
+    EXPECT_NE(run.err, "");
+    EXPECT_EQ(files(), before);
+  }
+}
+
+}  // namespace
+}  // namespace batten::test

@@ -1,0 +1,166 @@
+#include "apps/run_batten.hpp"
+
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+namespace batten::test {
+namespace {
+
+using Json = nlohmann::json;
+
+/// Runs a line that must succeed and print exactly one JSON object with what every command owes.
+Json run_json(const std::string& arguments, const std::vector<std::string>& keys = {}) {
+  SCOPED_TRACE("batten " + arguments);
+  const auto run = run_batten(arguments);
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  const Json json = Json::parse(run.out, nullptr, false);
+  EXPECT_TRUE(json.is_object()) << run.out;
+  if (!json.is_object()) return Json::object();
+  EXPECT_TRUE(json.contains("options") && json["options"].is_object());
+  EXPECT_TRUE(json.contains("seconds") && json["seconds"].contains("total"));
+  EXPECT_TRUE(json.contains("warnings") && json["warnings"].is_array());
+  for (const std::string& key : keys) EXPECT_TRUE(json.contains(key)) << key;
+  return json;
+}
+
+// The line of the issue, with every option in brackets, at a coarser step.
+TEST(CommandLines, SimulateTakesEveryOption) {
+  const Json json = run_json(
+      "simulate torus -o full.rawnet --truth truth.ply --truth-network truth.net --seed 7 "
+      "--orientation-noise 2deg "
+      "--drift 1deg --odometer-error 0.3% --step 2% --truth-edge 3% --truth-step 1% --outliers 5% "
+      "--disturbance 30deg --curve-length-error 15% --json",
+      {"curves", "nodes", "segments", "readings"});
+  EXPECT_EQ(json["curves"], 12);
+  EXPECT_EQ(json["nodes"], 36);  // six circles cross six meridians
+  for (const char* name : {"full.rawnet", "truth.ply", "truth.net"}) EXPECT_TRUE(file_exists(name)) << name;
+  const Json again = run_json(
+      "simulate torus -o again.rawnet --seed 7 --orientation-noise 2deg --drift 1deg "
+      "--odometer-error 0.3% --step 2% --outliers 5% --disturbance 30deg "
+      "--curve-length-error 15% --json");
+  EXPECT_EQ(read_file("again.rawnet"), read_file("full.rawnet")) << "the seed decides";
+  EXPECT_EQ(again["readings"], json["readings"]);
+}
+
+TEST(CommandLines, RawReadingsAreCalibratedAndBecomeANetwork) {
+  run_json("simulate sphere -o scan.csv --raw --tumble tumble.csv --step 1.5% --seed 3 --json");
+  run_json("calibrate tumble.csv -o calibration.json --json");
+  run_json("info calibration.json --json");
+  run_json("network scan.csv --calibration calibration.json -o raw.json --step 4% --json",
+           {"curves", "nodes"});
+  run_json(
+      "simulate sphere -o exact.rawnet --truth-network raw_truth.net --truth-step 1% --step 1.5% --json");
+  const Json compared = run_json("compare raw.json raw_truth.net --register rigid --samples 2000 --json");
+  EXPECT_LT(compared["relative"]["a_to_b"]["mean"].get<double>(), 0.005);
+}
+
+TEST(CommandLines, NetworkTakesEveryOption) {
+  run_json("simulate sphere -o scan.rawnet --step 2% --orientation-noise 1deg --seed 2 --json");
+  for (const char* options :
+       {"-o net.net", "-o net.obj", "-o net.json --step 5%", "-o net.json --step 0.2",
+        "-o net.json --step none", "-o net.json --step 5% --weights auto",
+        "-o net.json --step 5% --weights thesis", "-o net.json --step 5% --weights 0.01,1e-4",
+        "-o net.json --step 5% --energy thesis", "-o net.json --step 5% --energy scaled --xi 100",
+        "-o net.json --step 5% --robust off", "-o net.json --step 5% --robust on --scheme thesis",
+        "-o net.json --step 5% --scheme midpoint", "-o net.json --step 5% --lengths estimated",
+        "-o net.json --step 5% --lengths measured"}) {
+    const Json json = run_json(std::string("network scan.rawnet --json ") + options,
+                               {"curves", "nodes", "segments", "components", "vertices"});
+    if (json.contains("curves")) {
+      EXPECT_EQ(json["curves"], 3);
+      EXPECT_EQ(json["nodes"], 6);
+      EXPECT_EQ(json["segments"], 12);
+    }
+  }
+  // One v and one vn for every sample, as the issue asks of OBJ.
+  const std::string obj = read_file("net.obj");
+  int n_v = 0, n_vn = 0;
+  for (size_t at = 0; (at = obj.find("\nv ", at)) != std::string::npos; ++at) ++n_v;
+  for (size_t at = 0; (at = obj.find("\nvn ", at)) != std::string::npos; ++at) ++n_vn;
+  EXPECT_GT(n_v, 20);
+  EXPECT_EQ(n_v + (obj.rfind("v ", 0) == 0), n_vn + (obj.rfind("vn ", 0) == 0));
+}
+
+TEST(CommandLines, SurfaceTakesEveryOption) {
+  run_json("simulate sphere -o x.rawnet --step 4% --truth-network fine.json --truth-step 0.5% --json");
+  run_json("convert fine.json net.net --resample 6% --json");
+  for (const char* options :
+       {"-o surface.ply", "-o surface.obj", "-o surface.ply --rebuilds 0", "-o surface.ply --rebuilds 2",
+        "-o surface.ply --method curvature", "-o surface.ply --method harmonic",
+        "-o surface.ply --method biharmonic", "-o surface.ply --method triharmonic",
+        "-o surface.ply --method biharmonic-normals", "-o surface.ply --constraints hard",
+        "-o surface.ply --constraints soft --soft-weight 100", "-o surface.ply --map plane",
+        "-o surface.ply --map circle", "-o surface.ply --map polygon"}) {
+    const Json json = run_json(std::string("surface net.net --json ") + options,
+                               {"curves", "nodes", "segments", "cycles", "components", "boundary_loops",
+                                "vertices", "faces", "genus"});
+    if (!json.contains("genus")) continue;
+    // Three great circles cut the sphere into octants: closed, of genus 0, nothing folded.
+    EXPECT_EQ(json["cycles"], 8) << options;
+    EXPECT_EQ(json["boundary_loops"], 0) << options;
+    EXPECT_EQ(json["genus"], 0) << options;
+    EXPECT_EQ(json["folded_faces"], 0) << options;
+    EXPECT_EQ(json["degenerate_faces"], 0) << options;
+    EXPECT_EQ(json["self_intersections"], 0) << options;
+  }
+}
+
+// 2° of noise as the default device has it. The bound is four times what several seeds gave (0.05 to 0.1 %
+// of the diameter), and a tenth of what integration without a fit gives.
+TEST(CommandLines, ReconstructGivesTheSphereBack) {
+  run_json(
+      "simulate sphere -o noisy.rawnet --truth sphere.ply --truth-edge 2% --seed 41 --orientation-noise 2deg "
+      "--drift 1deg --odometer-error 0.3% --step 0.8% --json");
+  const Json json = run_json(
+      "reconstruct noisy.rawnet -o sphere_surface.ply --network sphere_net.json "
+      "--report sphere.html --step 4% --json",
+      {"curves", "nodes", "segments", "cycles", "components", "boundary_loops", "vertices", "faces",
+       "genus"});
+  EXPECT_EQ(json["watertight"], true);
+  EXPECT_EQ(json["genus"], 0);
+  for (const char* name : {"sphere_surface.ply", "sphere_net.json", "sphere.html"})
+    EXPECT_TRUE(file_exists(name)) << name;
+  const std::string report = read_file("sphere.html");
+  EXPECT_EQ(report.find("src=\"http"), std::string::npos) << "the report must be self-contained";
+  const Json compared = run_json(
+      "compare sphere_surface.ply sphere.ply --register rigid --samples 5000 --json", {"a_to_b", "b_to_a"});
+  EXPECT_LT(compared["relative"]["a_to_b"]["mean"].get<double>(), 0.004);
+  EXPECT_LT(compared["relative"]["b_to_a"]["mean"].get<double>(), 0.004);
+}
+
+// The open dish: one border, and rows of the border left out keep it from curling up.
+TEST(CommandLines, ReconstructGivesTheDishBack) {
+  run_json(
+      "simulate dish -o dish.rawnet --truth dish.ply --truth-edge 2% --seed 42 --orientation-noise 2deg "
+      "--drift 1deg --odometer-error 0.3% --step 0.8% --json");
+  const Json json = run_json("reconstruct dish.rawnet -o dish_surface.ply --step 4% --json");
+  EXPECT_EQ(json["boundary_loops"], 1);
+  EXPECT_EQ(json["genus"], 0);
+  const Json compared = run_json("compare dish_surface.ply dish.ply --register rigid --samples 5000 --json");
+  EXPECT_LT(compared["relative"]["a_to_b"]["mean"].get<double>(), 0.006);
+}
+
+TEST(CommandLines, InfoConvertAndRenderTakeWhatTheOthersWrite) {
+  run_json(
+      "simulate sphere -o i.rawnet --step 4% --truth i.ply --truth-edge 6% --truth-network i.json "
+      "--truth-step 4% --json");
+  EXPECT_EQ(run_json("info i.rawnet --json")["curves"], 3);
+  EXPECT_EQ(run_json("info i.json --json")["nodes"], 6);
+  EXPECT_EQ(run_json("info i.ply --json")["genus"], 0);
+  run_json("convert i.json i.obj --json");
+  run_json("convert i.obj back.json --json");
+  run_json("convert i.ply i.stl --json");
+  run_json("convert i.rawnet j.rawnet --json");
+  EXPECT_EQ(read_file("j.rawnet"), read_file("i.rawnet")) << "writing what was read changes nothing";
+  for (const char* shading : {"shaded", "wireframe", "isophotes", "reflection-lines", "normal-map",
+                              "mean-curvature", "gaussian-curvature", "gauss-map"})
+    run_json(std::string("render i.ply -o i.png --size 80x60 --json --shading ") + shading);
+  run_json("render i.ply -o i.png --size 80x60 --shading error --against i.ply --json");
+  run_json("render i.json -o i.png --size 80x60 --shading porcupine --json");
+}
+
+}  // namespace
+}  // namespace batten::test

@@ -1,0 +1,80 @@
+#include "batten/render/image.hpp"
+
+#include <cstring>
+
+#include <gtest/gtest.h>
+#include <png.h>
+
+#include "batten/core/error.hpp"
+#include "batten/render/lettering.hpp"
+
+namespace batten {
+namespace {
+
+// Read back by the PNG library's own reader.
+TEST(EncodePng, KeepsEveryPixel) {
+  Image image(7, 5, hex_colour(0x102030));
+  for (std::size_t i = 0; i < image.pixels.size(); ++i) image.pixels[i] = static_cast<std::uint8_t>(37 * i);
+  const std::string bytes = encode_png(image);
+  png_image header{};
+  header.version = PNG_IMAGE_VERSION;
+  ASSERT_TRUE(png_image_begin_read_from_memory(&header, bytes.data(), bytes.size()));
+  EXPECT_EQ(header.width, 7U);
+  EXPECT_EQ(header.height, 5U);
+  header.format = PNG_FORMAT_RGB;
+  std::vector<std::uint8_t> pixels(PNG_IMAGE_SIZE(header));
+  ASSERT_TRUE(png_image_finish_read(&header, nullptr, pixels.data(), 0, nullptr));
+  EXPECT_EQ(pixels, image.pixels);
+}
+
+TEST(Image, PastesOnlyWhatLiesInside) {
+  Image image(4, 4, hex_colour(0x000000));
+  image.paste(Image(4, 4, hex_colour(0xffffff)), 2, -2);
+  int white = 0;
+  for (const std::uint8_t byte : image.pixels) white += byte == 255 ? 1 : 0;
+  EXPECT_EQ(white, 3 * 2 * 2);
+  image.paste(Image(2, 2, hex_colour(0xffffff)), 10, 10);
+  EXPECT_THROW(Image(0, 3, Colour::Zero()), InvalidInput);
+  EXPECT_THROW(Image(20000, 3, Colour::Zero()), InvalidInput);
+}
+
+TEST(Image, BlendsInLinearLight) {
+  Image image(1, 1, Colour::Zero());
+  image.blend(0, 0, Colour::Ones(), 0.5F);
+  EXPECT_EQ(image.pixels[0], 188);  // sRGB of half the light
+  image.blend(5, 5, Colour::Ones(), 1);
+}
+
+// Letters stay within their width and between the descender and the cap height; every glyph leaves its own
+// mark.
+TEST(DrawText, StaysInItsLine) {
+  const std::string letters = "0123456789abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ.,:-+=%/()";
+  std::vector<std::vector<std::uint8_t>> seen;
+  for (const char letter : letters) {
+    Image image(60, 60, Colour::Ones());
+    draw_text(image, 20, 40, std::string(1, letter), 24, Colour::Zero());
+    const double width = text_width(std::string(1, letter), 24);
+    for (int y = 0; y < 60; ++y)
+      for (int x = 0; x < 60; ++x)
+        if (image.at(x, y)[0] < 255) {
+          EXPECT_GE(x, 20 - 3) << letter;
+          EXPECT_LE(x, 20 + width + 3) << letter;
+          EXPECT_GE(y, 40 - 24 - 5) << letter;
+          EXPECT_LE(y, 40 + 8 + 3) << letter;
+        }
+    for (const auto& other : seen) EXPECT_NE(other, image.pixels) << letter;
+    seen.push_back(image.pixels);
+  }
+}
+
+TEST(DrawText, AlignsByItsWidth) {
+  EXPECT_EQ(text_width("", 10), 0);
+  EXPECT_GT(text_width("mm", 10), text_width("m", 10) * 2);
+  Image left(100, 20, Colour::Ones()), right = left;
+  draw_text(left, 90 - text_width("error 3", 10), 15, "error 3", 10, Colour::Zero());
+  draw_text(right, 90, 15, "error 3", 10, Colour::Zero(), Align::Right);
+  EXPECT_EQ(left.pixels, right.pixels);
+}
+
+}  // namespace
+}  // namespace batten
