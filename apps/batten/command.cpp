@@ -167,6 +167,7 @@ int run(int argc, char** argv) {
   add_info(app);
   add_remesh(app);
   add_deform(app);
+  add_simplify(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& request) {  // --help, --version

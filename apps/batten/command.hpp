@@ -67,5 +67,6 @@ void add_render(CLI::App& app);
 void add_info(CLI::App& app);
 void add_remesh(CLI::App& app);
 void add_deform(CLI::App& app);
+void add_simplify(CLI::App& app);
 
 }  // namespace batten::cli

@@ -1,7 +1,5 @@
 #include "batten/mesh/halfedge_mesh.hpp"
 
-#include <Eigen/Geometry>
-
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
 
@@ -140,11 +138,6 @@ int HalfedgeMesh::valence(int v) const {
 void HalfedgeMesh::set_marked(int h, bool marked) {
   marked_[h] = marked ? 1 : 0;
   if (opposite_[h] != kNone) marked_[opposite_[h]] = marked_[h];
-}
-
-Eigen::Vector3d HalfedgeMesh::area_normal(int f) const {
-  const Eigen::Vector3d& a = positions_[origin_[3 * f]];
-  return (positions_[origin_[3 * f + 1]] - a).cross(positions_[origin_[3 * f + 2]] - a);
 }
 
 bool HalfedgeMesh::can_collapse(int h) const {

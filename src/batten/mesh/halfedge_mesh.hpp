@@ -101,7 +101,11 @@ class HalfedgeMesh {
   const Eigen::Vector3d& position(int v) const { return positions_[v]; }
   void set_position(int v, const Eigen::Vector3d& p) { positions_[v] = p; }
   /// Normal of length twice the area.
-  Eigen::Vector3d area_normal(int f) const;
+  Eigen::Vector3d area_normal(int f) const {
+    const Eigen::Vector3d& a = positions_[origin_[3 * f]];
+    const Eigen::Vector3d u = positions_[origin_[3 * f + 1]] - a, v = positions_[origin_[3 * f + 2]] - a;
+    return {u.y() * v.z() - u.z() * v.y(), u.z() * v.x() - u.x() * v.z(), u.x() * v.y() - u.y() * v.x()};
+  }
 
   // Operations.
   /// The link condition for collapsing h (from → to): the surface stays a manifold of the same topology.

@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <limits>
 
 #include <Eigen/Geometry>
 
@@ -44,6 +46,39 @@ bool invert(const double* m, double* inverse) {
 
 }  // namespace
 
+std::size_t CostQueue::bucket(double cost) {
+  // Non-negative floats are ordered as their bits are: exponent and four bits of the fraction.
+  const auto narrow = static_cast<float>(cost);
+  std::uint32_t bits = 0;
+  std::memcpy(&bits, &narrow, sizeof bits);
+  return bits >> 19;
+}
+
+void CostQueue::push(const Entry& entry) {
+  const std::size_t b = bucket(entry.cost);
+  if (b > current_) {
+    buckets_[b].push_back(entry);
+    return;
+  }
+  heap_.push_back(entry);
+  std::push_heap(heap_.begin(), heap_.end());
+}
+
+bool CostQueue::pop(Entry& entry) {
+  while (heap_.empty()) {
+    if (++current_ >= buckets_.size()) {
+      current_ = buckets_.size() - 1;
+      return false;
+    }
+    heap_.swap(buckets_[current_]);
+    std::make_heap(heap_.begin(), heap_.end());
+  }
+  std::pop_heap(heap_.begin(), heap_.end());
+  entry = heap_.back();
+  heap_.pop_back();
+  return true;
+}
+
 Decimator::Decimator(HalfedgeMesh& mesh, FaceTree& tree, const DecimatorOptions& options)
     : mesh_(mesh), tree_(tree), options_(options) {
   quadric_.resize(mesh.vertex_capacity());
@@ -52,13 +87,17 @@ Decimator::Decimator(HalfedgeMesh& mesh, FaceTree& tree, const DecimatorOptions&
   stale_.assign(mesh.halfedge_capacity(), 0);
   for (int v = 0; v < mesh.vertex_capacity(); ++v)
     if (mesh.has_vertex(v)) update_vertex(v);
-  heap_.reserve(mesh.halfedge_capacity() / 2 + 64);
-  for (int h = 0; h < mesh.halfedge_capacity(); ++h) {
-    if (!mesh.has_halfedge(h) || !mesh.is_representative(h)) continue;
-    heap_.push_back({place(h).cost, h, ++last_stamp_});
-    stamp_[h] = last_stamp_;
+  if (options_.flowed != nullptr) {
+    for (int h = 0; h < mesh.halfedge_capacity(); ++h) {
+      if (!mesh.is_representative(h)) continue;
+      const double cost = place(h).cost;
+      if (std::isfinite(cost)) largest_cost_ = std::max(largest_cost_, cost);
+      largest_length_ = std::max(largest_length_,
+                                 ((*options_.flowed)[mesh.from(h)] - (*options_.flowed)[mesh.to(h)]).norm());
+    }
   }
-  std::make_heap(heap_.begin(), heap_.end());
+  for (int h = 0; h < mesh.halfedge_capacity(); ++h)
+    if (mesh.is_representative(h)) enqueue(h);
 }
 
 void Decimator::update_vertex(int v) {
@@ -66,17 +105,17 @@ void Decimator::update_vertex(int v) {
   Vector3d sum = Vector3d::Zero();
   mesh_.for_each_outgoing(v, [&](int h) {
     const Vector3d n = mesh_.area_normal(HalfedgeMesh::face(h));
-    const double w = options_.area_power == 2 ? 1.0 : std::pow(std::max(n.squaredNorm(), 1e-300), 0.5 * options_.area_power - 1);
+    const double w = 1 / std::max(n.norm(), 1e-300);  // area × distance² is the error in the L² sense
     add_outer(q.m, n, w);
     sum += n;
     for (const int e : {h, HalfedgeMesh::prev(h)}) {
       if (!mesh_.is_border_edge(e)) continue;
       const Vector3d d = mesh_.position(mesh_.to(e)) - mesh_.position(mesh_.from(e));
-      const double l2 = d.squaredNorm(), b = options_.border_weight * (options_.area_power == 2 ? l2 : 1.0);
-      q.m[0] += b * l2;
-      q.m[3] += b * l2;
-      q.m[5] += b * l2;
-      add_outer(q.m, d, -b);
+      const double l2 = d.squaredNorm();  // |d × x|²: the square of the area that the border loses
+      q.m[0] += l2;
+      q.m[3] += l2;
+      q.m[5] += l2;
+      add_outer(q.m, d, -1);
     }
   });
   quadric_[v] = q;
@@ -92,7 +131,7 @@ Placement Decimator::place(int h) const {
   for (const int side : {h, mesh_.opposite(h)}) {
     if (side == kNone) continue;
     const Vector3d n = mesh_.area_normal(HalfedgeMesh::face(side));
-    const double w = options_.area_power == 2 ? 1.0 : std::pow(std::max(n.squaredNorm(), 1e-300), 0.5 * options_.area_power - 1);
+    const double w = 1 / std::max(n.norm(), 1e-300);  // area × distance² is the error in the L² sense
     add_outer(shared, n, w);
     g -= n;
   }
@@ -110,7 +149,11 @@ Placement Decimator::place(int h) const {
   Vector3d y = middle;
   const Vector3d right = times(quadric_[v].m, e) + pull * middle;
   const double volume = sum_normal_[v].dot(e);
-  if (invert(M, inverse)) {
+  const Hold hold = options_.keep_marked ? held(h) : Hold::Free;
+  if (hold == Hold::Never) return {std::numeric_limits<double>::infinity(), origin + middle};
+  if (hold == Hold::From || hold == Hold::To) {
+    y = hold == Hold::From ? Vector3d(Vector3d::Zero()) : e;
+  } else if (invert(M, inverse)) {
     y = times(inverse, right);
     const bool border = mesh_.is_border_vertex(u) || mesh_.is_border_vertex(v);
     const Vector3d z = times(inverse, g);
@@ -126,13 +169,42 @@ Placement Decimator::place(int h) const {
   const Vector3d ye = y - e;
   placement.cost = y.dot(times(A, y)) + ye.dot(times(quadric_[v].m, ye));
   // Flat pieces: the shortest edges first.
-  placement.cost += 1e-10 * trace * e.squaredNorm() + options_.shape_weight * trace * (y - middle).squaredNorm();
+  placement.cost += 1e-10 * trace * e.squaredNorm();
   return placement;
+}
+
+Decimator::Hold Decimator::held(int h) const {
+  const auto marks = [&](int v) {
+    int n = 0;
+    mesh_.for_each_outgoing(v, [&](int g) {
+      n += mesh_.is_marked(g) ? 1 : 0;
+      const int last = HalfedgeMesh::prev(g);
+      n += mesh_.is_border_edge(last) && mesh_.is_marked(last) ? 1 : 0;
+    });
+    return n;
+  };
+  const int at_from = marks(mesh_.from(h)), at_to = marks(mesh_.to(h));
+  if (at_from == 0 && at_to == 0) return Hold::Free;
+  if (at_from == 0) return Hold::To;
+  if (at_to == 0) return Hold::From;
+  if (!mesh_.is_marked(h)) return Hold::Never;  // would join two features, or two places of one
+  // Along a feature: its ends and crossings hold; else the planes on both sides lead the vertex.
+  if (at_from != 2) return at_to != 2 ? Hold::Never : Hold::From;
+  return at_to != 2 ? Hold::To : Hold::Free;
+}
+
+double Decimator::order_of(int h, double cost) const {
+  if (options_.flowed == nullptr || !std::isfinite(cost)) return cost;
+  const double length = ((*options_.flowed)[mesh_.from(h)] - (*options_.flowed)[mesh_.to(h)]).norm();
+  // (2.100), less the constant 2; the largest values guarded against zero.
+  return std::pow(1 + cost / std::max(largest_cost_, 1e-300), options_.alpha) +
+         std::pow(1 + length / std::max(largest_length_, 1e-300), options_.beta) - 2;
 }
 
 bool Decimator::is_allowed(int h, const Vector3d& p) {
   const int u = mesh_.from(h), v = mesh_.to(h);
-  const int f0 = HalfedgeMesh::face(h), f1 = mesh_.is_border_edge(h) ? -1 : HalfedgeMesh::face(mesh_.opposite(h));
+  const int f0 = HalfedgeMesh::face(h),
+            f1 = mesh_.is_border_edge(h) ? -1 : HalfedgeMesh::face(mesh_.opposite(h));
   star_.clear();
   replaced_.clear();
   bool allowed = true;
@@ -165,34 +237,41 @@ bool Decimator::is_allowed(int h, const Vector3d& p) {
 }
 
 void Decimator::enqueue(int h) {
-  heap_.push_back({place(h).cost, h, ++last_stamp_});
-  stamp_[h] = last_stamp_;
+  const double order = order_of(h, place(h).cost);
   stale_[h] = 0;
-  std::push_heap(heap_.begin(), heap_.end());
+  stamp_[h] = 0;
+  if (!std::isfinite(order)) return;
+  queue_.push({order, h, ++last_stamp_});
+  stamp_[h] = last_stamp_;
 }
 
 void Decimator::run(int faces, double max_cost, const Progress& progress) {
   const int before = mesh_.n_faces();
   int steps = 0;
+  progress.report("collapse", 0);
   std::vector<int> ring;
-  while (mesh_.n_faces() > faces && !heap_.empty()) {
-    if (heap_.front().cost > max_cost) break;
-    std::pop_heap(heap_.begin(), heap_.end());
-    const Entry entry = heap_.back();
-    heap_.pop_back();
+  CostQueue::Entry entry{};
+  while (mesh_.n_faces() > faces && queue_.pop(entry)) {
     const int h = entry.h;
-    if (stamp_[h] != entry.stamp || !mesh_.has_halfedge(h)) continue;
+    if (stamp_[h] != entry.stamp || !mesh_.is_representative(h)) continue;
     if (stale_[h] != 0) {
       enqueue(h);
       continue;
+    }
+    if (entry.cost > max_cost) {
+      queue_.push(entry);
+      break;
     }
     stamp_[h] = 0;  // not in the queue: comes back when something changes beside it
     if (!mesh_.can_collapse(h)) continue;
     const Placement placement = place(h);
     if (!is_allowed(h, placement.point)) continue;
     if (on_collapse) on_collapse(h, placement.point);
+    const int u = mesh_.from(h);
     const int v = mesh_.collapse(h);
     mesh_.set_position(v, placement.point);
+    if (options_.flowed != nullptr)
+      (*options_.flowed)[v] = 0.5 * Vector3d((*options_.flowed)[u] + (*options_.flowed)[v]);
     if (++steps % 1024 == 0) {
       progress.report("collapse", (before - mesh_.n_faces()) / std::max(1.0, double(before - faces)));
       tree_.rebuild_if_thinned();

@@ -18,11 +18,40 @@ struct Placement {
 };
 
 struct DecimatorOptions {
-  double area_power = 2;        ///< weight of a plane: area to this power
-  double regularisation = 1e-3; ///< pull to the middle of the ring, relative to the trace of the quadric
-  double border_weight = 1;
-  double shape_weight = 0;
-  double least_cosine = 0.2;    ///< between the normals of a face before and after
+  /// Pull of the new vertex to the middle of its edge, relative to the trace of the quadric: what decides
+  /// where the planes leave it free.
+  double regularisation = 1e-6;
+  double least_cosine = 0.2;  ///< between the normals of a face before and after
+  /// Collapses keep marked edges: their vertices move along them only, ends and crossings not at all.
+  bool keep_marked = false;
+  /// Order by (2.100) instead of by the error alone: positions whose distances are the lengths of edges,
+  /// updated with every collapse, or null.
+  std::vector<Eigen::Vector3d>* flowed = nullptr;
+  double alpha = 1, beta = 1;
+};
+
+/// Smallest cost first, ties by the smaller half-edge. Costs are sorted into buckets by their leading bits,
+/// and only the bucket in use is kept as a heap, which then stays in the cache.
+class CostQueue {
+ public:
+  struct Entry {
+    double cost;
+    int h;
+    std::uint32_t stamp;
+    bool operator<(const Entry& other) const {
+      return cost > other.cost || (cost == other.cost && h > other.h);
+    }
+  };
+  /// @pre entry.cost >= 0
+  void push(const Entry& entry);
+  /// Takes out the least; false when there is none.
+  bool pop(Entry& entry);
+
+ private:
+  static std::size_t bucket(double cost);
+  std::vector<Entry> heap_;
+  std::vector<std::vector<Entry>> buckets_ = std::vector<std::vector<Entry>>(4096);
+  std::size_t current_ = 0;  ///< buckets up to this one are in the heap
 };
 
 /// Greedy edge collapses by memoryless quadrics: the planes are those of the faces as they are now (Lindstrom
@@ -40,14 +69,12 @@ class Decimator {
   struct Symmetric {
     double m[6] = {0, 0, 0, 0, 0, 0};
   };
-  struct Entry {
-    double cost;
-    int h;
-    std::uint32_t stamp;
-    bool operator<(const Entry& other) const { return cost > other.cost || (cost == other.cost && h > other.h); }
-  };
   void update_vertex(int v);
   Placement place(int h) const;
+  double order_of(int h, double cost) const;
+  enum class Hold { Free, From, To, Never };
+  /// Where marked edges allow the vertex of a collapse to lie.
+  Hold held(int h) const;
   bool is_allowed(int h, const Eigen::Vector3d& p);
   void enqueue(int h);
   int representative(int h) const { return mesh_.is_representative(h) ? h : mesh_.opposite(h); }
@@ -59,7 +86,8 @@ class Decimator {
   std::vector<Eigen::Vector3d> sum_normal_;  ///< per vertex: Σ area normals
   std::vector<std::uint32_t> stamp_;         ///< per half-edge: of its entry in the queue
   std::vector<char> stale_;                  ///< per half-edge: cost to be computed again when its turn comes
-  std::vector<Entry> heap_;
+  CostQueue queue_;
+  double largest_cost_ = 0, largest_length_ = 0;  ///< of (2.100)
   std::uint32_t last_stamp_ = 0;
   std::vector<FaceTree::Triangle> star_;
   std::vector<int> replaced_;

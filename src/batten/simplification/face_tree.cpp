@@ -14,6 +14,9 @@ using Eigen::Vector3d;
 namespace {
 
 constexpr int kLeafSize = 4;
+constexpr std::size_t kMaxStar = 64;  ///< triangles of a query whose boxes are kept
+/// Least cosine to the mean normal for triangles that count as looking to the same side.
+constexpr float kSameSide = 0.3F;
 /// Sines and relative volumes below this are rounding, and count as zero.
 constexpr double kRounding = 1e-12;
 /// Adjacent triangles are folded onto each other when the angle between their normals exceeds this cosine.
@@ -106,6 +109,31 @@ bool apart_triangles_meet(const Vector3d* s, const Vector3d* t) {
   return false;
 }
 
+bool is_one_closed_surface(const HalfedgeMesh& mesh) {
+  std::vector<char> reached(mesh.face_capacity(), 0);
+  std::vector<int> stack;
+  int n_reached = 0;
+  for (int f = 0; f < mesh.face_capacity(); ++f) {
+    if (!mesh.has_face(f) || reached[f] != 0) continue;
+    if (n_reached > 0) return false;  // a second component
+    stack.assign(1, f);
+    reached[f] = 1;
+    while (!stack.empty()) {
+      const int g = stack.back();
+      stack.pop_back();
+      ++n_reached;
+      for (int k = 0; k < 3; ++k) {
+        if (mesh.is_border_edge(3 * g + k)) return false;
+        const int neighbour = HalfedgeMesh::face(mesh.opposite(3 * g + k));
+        if (reached[neighbour] != 0) continue;
+        reached[neighbour] = 1;
+        stack.push_back(neighbour);
+      }
+    }
+  }
+  return n_reached > 0;
+}
+
 }  // namespace
 
 bool triangles_touch(const FaceTree::Triangle& s, const FaceTree::Triangle& t) {
@@ -134,8 +162,14 @@ bool triangles_touch(const FaceTree::Triangle& s, const FaceTree::Triangle& t) {
   return ns.dot(nt) > -kFolded * ns.norm() * nt.norm();
 }
 
-FaceTree::FaceTree(const HalfedgeMesh& mesh) : mesh_(mesh) {
+FaceTree::FaceTree(const HalfedgeMesh& mesh) : mesh_(mesh), alternates_(is_one_closed_surface(mesh)) {
   rebuild();
+}
+
+void FaceTree::set_normal(int f) {
+  const Vector3d n = mesh_.area_normal(f);
+  const double length = n.norm();
+  normal_[f] = length > 0 ? Eigen::Vector3f((n / length).cast<float>()) : Eigen::Vector3f::Zero();
 }
 
 void FaceTree::rebuild() {
@@ -145,6 +179,12 @@ void FaceTree::rebuild() {
   built_faces_ = static_cast<int>(faces_.size());
   leaf_.assign(mesh_.face_capacity(), -1);
   excluded_.resize(mesh_.face_capacity(), 0);
+  ring_.resize(mesh_.vertex_capacity(), 0);
+  if (normal_.empty()) {
+    normal_.resize(mesh_.face_capacity());
+    for (const int f : faces_) set_normal(f);
+  }
+  normal_.resize(mesh_.face_capacity(), Eigen::Vector3f::Zero());
   nodes_.clear();
   nodes_.reserve(faces_.size());
   if (!faces_.empty()) build_node(0, built_faces_, -1);
@@ -170,6 +210,12 @@ std::int32_t FaceTree::build_node(std::int32_t begin, std::int32_t end, std::int
     for (int k = 0; k < 3; ++k) {
       node.low[k] = float_below(low[k]);
       node.high[k] = float_above(high[k]);
+      node.normal_low[k] = 1;
+      node.normal_high[k] = -1;
+      for (std::int32_t i = begin; i < end; ++i) {
+        node.normal_low[k] = std::min(node.normal_low[k], normal_[faces_[i]][k]);
+        node.normal_high[k] = std::max(node.normal_high[k], normal_[faces_[i]][k]);
+      }
     }
     node.left = begin;
     node.right = begin - end;
@@ -194,6 +240,8 @@ std::int32_t FaceTree::build_node(std::int32_t begin, std::int32_t end, std::int
   for (int k = 0; k < 3; ++k) {
     node.low[k] = std::min(l.low[k], r.low[k]);
     node.high[k] = std::max(l.high[k], r.high[k]);
+    node.normal_low[k] = std::min(l.normal_low[k], r.normal_low[k]);
+    node.normal_high[k] = std::max(l.normal_high[k], r.normal_high[k]);
   }
   nodes_[index] = node;
   return index;
@@ -206,8 +254,10 @@ void FaceTree::rebuild_if_thinned() {
 void FaceTree::update(int f) {
   if (f >= static_cast<int>(leaf_.size()) || leaf_[f] < 0) {
     rebuild();
+    set_normal(f);
     return;
   }
+  set_normal(f);
   float low[3], high[3];
   for (int k = 0; k < 3; ++k) {
     const double a = mesh_.position(mesh_.from(3 * f))[k], b = mesh_.position(mesh_.from(3 * f + 1))[k],
@@ -215,10 +265,13 @@ void FaceTree::update(int f) {
     low[k] = float_below(std::min({a, b, c}));
     high[k] = float_above(std::max({a, b, c}));
   }
+  const Eigen::Vector3f& n = normal_[f];
   for (std::int32_t i = leaf_[f]; i >= 0; i = nodes_[i].parent) {
     Node& node = nodes_[i];
     bool grew = false;
     for (int k = 0; k < 3; ++k) {
+      if (n[k] < node.normal_low[k]) node.normal_low[k] = n[k], grew = true;
+      if (n[k] > node.normal_high[k]) node.normal_high[k] = n[k], grew = true;
       if (low[k] < node.low[k]) node.low[k] = low[k], grew = true;
       if (high[k] > node.high[k]) node.high[k] = high[k], grew = true;
     }
@@ -227,13 +280,34 @@ void FaceTree::update(int f) {
 }
 
 bool FaceTree::intersects(const std::vector<Triangle>& triangles, const std::vector<int>& replaced) {
-  for (std::size_t i = 0; i < triangles.size(); ++i)
-    for (std::size_t k = i + 1; k < triangles.size(); ++k)
-      if (triangles_touch(triangles[i], triangles[k])) return true;
-
-  if (nodes_.empty()) return false;
   ++stamp_;
-  for (const int f : replaced) excluded_[f] = stamp_;
+  // Where old and new triangles all look to the same side as their mean, they cover the same polygon in the
+  // plane across it: then they do not meet each other, nor faces beside them that look to that side too.
+  Vector3d mean = Vector3d::Zero();
+  std::array<Vector3d, kMaxStar> normals;
+  const std::size_t n_normals = std::min(triangles.size(), normals.size());
+  for (std::size_t i = 0; i < n_normals; ++i) {
+    const Vector3d* p = triangles[i].point;
+    normals[i] = (p[1] - p[0]).cross(p[2] - p[0]);
+    mean += normals[i];
+  }
+  mean.normalize();
+  const Eigen::Vector3f side = mean.cast<float>();
+  bool graph = triangles.size() <= kMaxStar;
+  for (std::size_t i = 0; i < n_normals && graph; ++i)
+    graph = normals[i].dot(mean) > kSameSide * normals[i].norm();
+  for (const int f : replaced) {
+    excluded_[f] = stamp_;
+    graph = graph && normal_[f].dot(side) > kSameSide;
+  }
+  if (graph)
+    for (const Triangle& t : triangles)
+      for (const int v : t.corner) ring_[v] = stamp_;
+  else
+    for (std::size_t i = 0; i < triangles.size(); ++i)
+      for (std::size_t k = i + 1; k < triangles.size(); ++k)
+        if (triangles_touch(triangles[i], triangles[k])) return true;
+  if (nodes_.empty()) return false;
   struct Bounds {
     float low[3], high[3];
     bool misses(const float* l, const float* h) const {
@@ -255,7 +329,7 @@ bool FaceTree::intersects(const std::vector<Triangle>& triangles, const std::vec
     return b;
   };
   Bounds all;
-  std::array<Bounds, 64> bounds;
+  std::array<Bounds, kMaxStar> bounds;
   const std::size_t n_bounded = std::min(triangles.size(), bounds.size());
   for (std::size_t i = 0; i < triangles.size(); ++i) {
     const Bounds b = bounds_of(triangles[i].point, 3);
@@ -265,11 +339,28 @@ bool FaceTree::intersects(const std::vector<Triangle>& triangles, const std::vec
       all.high[k] = i == 0 ? b.high[k] : std::max(all.high[k], b.high[k]);
     }
   }
+  // On one closed surface another sheet that looks to the same side is hidden behind one that does not, and
+  // cannot be reached without meeting that first: same-sided boxes need no visit. The old triangles
+  // belong to what is swept.
+  const bool skip = graph && alternates_;
+  if (skip)
+    for (const int f : replaced)
+      for (int k = 0; k < 3; ++k)
+        for (int axis = 0; axis < 3; ++axis) {
+          const double x = mesh_.position(mesh_.from(3 * f + k))[axis];
+          all.low[axis] = std::min(all.low[axis], float_below(x));
+          all.high[axis] = std::max(all.high[axis], float_above(x));
+        }
   stack_.assign(1, 0);
   while (!stack_.empty()) {
     const Node& node = nodes_[stack_.back()];
     stack_.pop_back();
     if (all.misses(node.low, node.high)) continue;
+    if (skip) {
+      float least = 0;
+      for (int k = 0; k < 3; ++k) least += side[k] * (side[k] > 0 ? node.normal_low[k] : node.normal_high[k]);
+      if (least > kSameSide) continue;
+    }
     if (node.right > 0) {
       stack_.push_back(node.left);
       stack_.push_back(node.right);
@@ -279,10 +370,13 @@ bool FaceTree::intersects(const std::vector<Triangle>& triangles, const std::vec
       const int f = faces_[i];
       if (!mesh_.has_face(f) || excluded_[f] == stamp_) continue;
       Triangle other;
-      for (int k = 0; k < 3; ++k) {
-        other.corner[k] = mesh_.from(3 * f + k);
-        other.point[k] = mesh_.position(other.corner[k]);
-      }
+      for (int k = 0; k < 3; ++k) other.corner[k] = mesh_.from(3 * f + k);
+      if (graph &&
+          (ring_[other.corner[0]] == stamp_ || ring_[other.corner[1]] == stamp_ ||
+           ring_[other.corner[2]] == stamp_) &&
+          normal_[f].dot(side) > kSameSide)
+        continue;
+      for (int k = 0; k < 3; ++k) other.point[k] = mesh_.position(other.corner[k]);
       const Bounds b = bounds_of(other.point, 3);
       if (all.misses(b.low, b.high)) continue;
       for (std::size_t t = 0; t < triangles.size(); ++t) {

@@ -35,17 +35,23 @@ class FaceTree {
  private:
   struct Node {
     float low[3], high[3];
-    std::int32_t parent, left, right;  ///< of a leaf: left = first in faces_, right = −count
+    float normal_low[3], normal_high[3];  ///< bounds of the unit normals of its faces
+    std::int32_t parent, left, right;     ///< of a leaf: left = first in faces_, right = −count
   };
   void rebuild();
+  void set_normal(int f);
   std::int32_t build_node(std::int32_t begin, std::int32_t end, std::int32_t parent);
 
   const HalfedgeMesh& mesh_;
   std::vector<Node> nodes_;
   std::vector<int> faces_;
-  std::vector<int> leaf_;  ///< per face, −1 where none
-  std::vector<std::uint32_t> excluded_;
+  std::vector<int> leaf_;                ///< per face, −1 where none
+  std::vector<Eigen::Vector3f> normal_;  ///< per face, unit
+  std::vector<std::uint32_t> excluded_;  ///< per face: stamp of the query that leaves it out
+  std::vector<std::uint32_t> ring_;      ///< per vertex: stamp of the query whose triangles touch it
   std::uint32_t stamp_ = 0;
+  /// One closed surface: along any line its faces look up and down in turn.
+  bool alternates_ = false;
   int built_faces_ = 0;
   std::vector<std::int32_t> stack_;
 };
