@@ -8,6 +8,8 @@
 #include "batten/core/units.hpp"
 #include "batten/io/file.hpp"
 #include "batten/io/mesh_io.hpp"
+#include "batten/mesh/quality.hpp"
+#include "batten/remeshing/measures.hpp"
 #include "batten/remeshing/remesh.hpp"
 
 namespace batten::cli {
@@ -19,19 +21,6 @@ struct RemeshArguments {
   int vertices = 0, iterations = RemeshOptions{}.max_iterations;
   double adaptivity = RemeshOptions{}.adaptivity;
 };
-
-/// An option validator from a function that throws InvalidInput.
-template <typename Parse>
-auto parses_with(Parse parse) {
-  return [parse](const std::string& text) {
-    try {
-      parse(text);
-      return std::string();
-    } catch (const InvalidInput& error) {
-      return std::string(error.what());
-    }
-  };
-}
 
 Outcome run_remesh(const RemeshArguments& arguments, Context& context) {
   Outcome outcome;
@@ -64,6 +53,12 @@ Outcome run_remesh(const RemeshArguments& arguments, Context& context) {
     const ScopedStage stage(outcome.times, "write");
     write_mesh(arguments.out, result.mesh);
   }
+  RemeshMeasures measures;
+  {
+    const ScopedStage stage(outcome.times, "measure");
+    measures = remesh_measures(mesh, result.mesh, context.progress);
+  }
+  const MeshQuality quality = mesh_quality(result.mesh.positions, result.mesh.triangles);
   Json& figures = outcome.figures;
   figures["vertices"] = result.mesh.n_vertices();
   figures["faces"] = result.mesh.n_triangles();
@@ -73,9 +68,22 @@ Outcome run_remesh(const RemeshArguments& arguments, Context& context) {
   figures["kept_edges"] = result.report.feature_edges;
   figures["corners"] = result.report.corners;
   figures["area_variance"] = result.report.area_variance;
+  figures["mean_smallest_angle_deg"] = degrees(quality.mean_min_angle);
+  figures["smallest_angle_deg"] = degrees(quality.min_angle);
+  // H, table 2.3.
+  figures["curvature_change"] = measures.curvature_change;
+  figures["edge_variance_change"] = measures.edge_variance_change;
+  figures["area_variance_change"] = measures.area_variance_change;
+  figures["curvature_variance_change"] = measures.curvature_variance_change;
+  figures["mean_distance"] = measures.mean_distance;
+  figures["normal_error_deg"] = degrees(measures.normal_error);
   outcome.lines.push_back(concat(arguments.out, ": ", result.mesh.n_vertices(), " vertices, ",
                                  result.mesh.n_triangles(), " triangles after ", result.report.iterations,
                                  " rounds; ", result.report.feature_edges, " edges kept"));
+  outcome.lines.push_back(concat("smallest angles ", degrees(quality.mean_min_angle),
+                                 " degrees in the mean, ", degrees(quality.min_angle),
+                                 " at the least; normals off by ", degrees(measures.normal_error),
+                                 " degrees, mean curvature by ", 100 * measures.curvature_change, " %"));
   return outcome;
 }
 
@@ -93,7 +101,7 @@ void add_remesh(CLI::App& app) {
       command
           ->add_option("--edge", arguments->edge,
                        "Edge length: 0.05, 2mm or 1.6% of the diameter; by default that of the input")
-          ->check(parses_with([](const std::string& text) {
+          ->check(parses("LENGTH", [](const std::string& text) {
             if (!(parse_length(text).value > 0)) throw InvalidInput("--edge must be positive: " + text);
           }));
   command->add_option("--vertices", arguments->vertices, "Number of vertices, instead of an edge length")
@@ -102,7 +110,7 @@ void add_remesh(CLI::App& app) {
   command->add_option("--adaptivity", arguments->adaptivity, "0: even; 1: as fine as curvature asks")
       ->check(CLI::Range(0.0, 1.0));
   command->add_option("--keep-edges", arguments->keep_edges, "Keep edges sharper than this angle")
-      ->check(parses_with([](const std::string& text) {
+      ->check(parses("ANGLE", [](const std::string& text) {
         const double angle = parse_angle(text);
         if (!(angle > 0 && angle <= kPi + 1e-9))
           throw InvalidInput("--keep-edges must lie above 0 and at most at 180deg: " + text);

@@ -27,12 +27,12 @@ int other_end(const HalfedgeMesh& mesh, int h, int v) {
   return mesh.from(h) == v ? mesh.to(h) : mesh.from(h);
 }
 
-bool is_crease(const HalfedgeMesh& mesh, int h, double angle) {
+/// Between the normals of the two faces at h; 0 where one has no area and so no normal. @pre not on a border
+double dihedral_angle(const HalfedgeMesh& mesh, int h) {
   const Vector3d a = mesh.area_normal(HalfedgeMesh::face(h));
   const Vector3d b = mesh.area_normal(HalfedgeMesh::face(mesh.opposite(h)));
-  // A face without area has no normal to compare.
-  if (!(a.norm() > 0) || !(b.norm() > 0)) return false;
-  return std::atan2(a.cross(b).norm(), a.dot(b)) > angle;
+  if (!(a.norm() > 0) || !(b.norm() > 0)) return 0;
+  return std::atan2(a.cross(b).norm(), a.dot(b));
 }
 
 /// Walks along marked edges from v over h until `stop` says so or the curve closes; vertices in order.
@@ -68,6 +68,34 @@ void unmark(HalfedgeMesh& mesh, const std::vector<int>& vertices) {
   }
 }
 
+/// Marks edges on from the free end v of a curve while the crease goes on below the angle at which it is
+/// kept: along the sharpest edge that goes straight on, above `least` and twice as sharp as any other
+/// unmarked edge at the end but the one behind it.
+void extend_crease(HalfedgeMesh& mesh, int v, double least, double corner_angle) {
+  for (;;) {
+    const std::vector<int> marked = marked_edges(mesh, v);
+    if (marked.size() != 1) return;
+    const Vector3d back = mesh.position(v) - mesh.position(other_end(mesh, marked[0], v));
+    int best = kNone;
+    double best_angle = least, second = 0;
+    mesh.for_each_outgoing(v, [&](int h) {
+      if (mesh.is_border_edge(h) || mesh.is_marked(h)) return;
+      const Vector3d on = mesh.position(mesh.to(h)) - mesh.position(v);
+      const double angle = dihedral_angle(mesh, h);
+      if (angle > best_angle && std::atan2(back.cross(on).norm(), back.dot(on)) < corner_angle) {
+        second = std::max(second, best == kNone ? 0 : best_angle);
+        best_angle = angle;
+        best = h;
+      } else {
+        second = std::max(second, angle);
+      }
+    });
+    if (best == kNone || second > 0.5 * best_angle) return;
+    mesh.set_marked(best, true);
+    v = mesh.to(best);
+  }
+}
+
 }  // namespace
 
 Vector3d FeatureChain::at(double s) const {
@@ -82,7 +110,8 @@ Vector3d FeatureChain::at(double s) const {
 FeatureChains mark_features(HalfedgeMesh& mesh, const FeatureOptions& options) {
   const int n = mesh.vertex_capacity();
   for (int h = 0; h < mesh.halfedge_capacity(); ++h)
-    if (mesh.is_representative(h) && (mesh.is_border_edge(h) || is_crease(mesh, h, options.crease_angle)))
+    if (mesh.is_representative(h) &&
+        (mesh.is_border_edge(h) || dihedral_angle(mesh, h) > options.crease_angle))
       mesh.set_marked(h, true);
 
   // Short curves with a free end, again and again: dropping one may free the end of another.
@@ -99,6 +128,11 @@ FeatureChains mark_features(HalfedgeMesh& mesh, const FeatureOptions& options) {
       dropped = true;
     }
   }
+
+  if (options.fade < 1)
+    for (int v = 0; v < n; ++v)
+      if (mesh.has_vertex(v) && !mesh.is_border_vertex(v))
+        extend_crease(mesh, v, options.fade * options.crease_angle, options.corner_angle);
 
   FeatureChains result;
   result.chain_of_vertex.assign(n, kNone);

@@ -37,6 +37,9 @@ struct FeatureOptions {
   double corner_angle = 0;
   /// Curves that end freely and are shorter than this are taken for noise and dropped; 0 keeps all.
   double least_length = 0;
+  /// Creases are followed beyond their ends while they fade, down to this fraction of crease_angle, where
+  /// they stand out from the surface beside them; in (0, 1], 1 follows none.
+  double fade = 1;
 };
 
 /// Marks borders and creases in `mesh` (which may hold marks: these are kept too) and cuts them into chains

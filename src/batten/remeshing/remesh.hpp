@@ -28,8 +28,9 @@ struct RemeshOptions {
   int n_vertices = 0;
   /// 0: edges of one length. 1: as fine as curvature asks (h ∝ κ^(−1/2), from a quarter to four times the
   /// length). See adaptive_sizes().
-  double adaptivity = 0.3;
-  /// Edges whose faces meet at more than this angle, and borders, are kept: their vertices stay on them.
+  double adaptivity = 0.1;
+  /// Edges whose faces meet at more than this angle, and borders, are kept: their vertices stay on them. A
+  /// crease is followed beyond where it fades below the angle, to half of it, while it stands out.
   /// Radians, in (0, π]; π keeps only borders.
   double keep_edges = radians(30.0);
   /// A wanted edge length per vertex of the input (n values, positive, unit of the mesh), or empty. Instead
@@ -60,8 +61,8 @@ struct RemeshResult {
 /// Replaces the triangles of a surface by better ones of about the wanted size.
 ///
 /// Rounds of splits, collapses and flips, of area diffusion and of tangential relocation (H 2.2.2), each
-/// closed by a projection to the input surface; then the vertices are moved along their normals to where the
-/// new triangles fit the old surface best in the least-squares sense.
+/// closed by a projection to the input surface; then (not with LaplacianFlow) vertices are moved and edges
+/// turned to where the new triangles fit the old surface best, in place and in normals.
 /// Vertices on kept edges move along the input's feature curves, corners stay.
 /// @throws InvalidInput when the mesh is empty or not an oriented manifold, or an option is out of range.
 RemeshResult remesh(const TriangleMesh& mesh, const RemeshOptions& options = {},
