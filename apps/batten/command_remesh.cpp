@@ -56,7 +56,7 @@ Outcome run_remesh(const RemeshArguments& arguments, Context& context) {
   RemeshMeasures measures;
   {
     const ScopedStage stage(outcome.times, "measure");
-    measures = remesh_measures(mesh, result.mesh, context.progress);
+    measures = remesh_measures(mesh, result.mesh, options.keep_edges, context.progress);
   }
   const MeshQuality quality = mesh_quality(result.mesh.positions, result.mesh.triangles);
   Json& figures = outcome.figures;

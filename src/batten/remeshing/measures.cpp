@@ -7,11 +7,13 @@
 #include <Eigen/Geometry>
 
 #include "batten/core/error.hpp"
+#include "batten/core/random.hpp"
+#include "batten/mesh/areas.hpp"
 #include "batten/mesh/distance.hpp"
 #include "batten/mesh/halfedge_mesh.hpp"
+#include "batten/mesh/normals.hpp"
 #include "batten/operators/curvature.hpp"
 #include "batten/operators/laplacian.hpp"
-#include "batten/remeshing/area_samples.hpp"
 
 namespace batten {
 
@@ -20,7 +22,7 @@ namespace {
 using Eigen::Vector3d;
 
 /// Points of the original whose normals are compared.
-constexpr double kNormalSamples = 1e5;
+constexpr int kNormalSamples = 100000;
 
 /// Var(A) / (Nv Ā²) over the vertices in use.
 double area_variance(const TriangleMesh& mesh) {
@@ -59,6 +61,23 @@ Eigen::VectorXd edge_variances(const HalfedgeMesh& mesh) {
   return mean > 0 ? Eigen::VectorXd(variances / (mean * mean)) : variances;
 }
 
+/// Vertices where curvature is none of a smooth surface: on borders, and on edges that turn by more than
+/// `crease_angle`, whose cotangent curvature is that of the edge and grows with the fineness of the mesh.
+std::vector<char> left_out(const HalfedgeMesh& mesh, double crease_angle) {
+  std::vector<char> result(mesh.vertex_capacity(), 0);
+  for (int h = 0; h < mesh.halfedge_capacity(); ++h) {
+    if (!mesh.is_representative(h)) continue;
+    bool out = mesh.is_border_edge(h);
+    if (!out) {
+      const Vector3d a = mesh.area_normal(HalfedgeMesh::face(h)),
+                     b = mesh.area_normal(HalfedgeMesh::face(mesh.opposite(h)));
+      out = std::atan2(a.cross(b).norm(), a.dot(b)) > crease_angle;
+    }
+    if (out) result[mesh.from(h)] = result[mesh.to(h)] = 1;
+  }
+  return result;
+}
+
 double variance(const Eigen::VectorXd& values, const std::vector<char>& left_out) {
   double sum = 0, squares = 0;
   int count = 0;
@@ -75,6 +94,41 @@ double relative(double change, double before) {
   return before > 0 ? change / before : 0.0;
 }
 
+/// Mean angle between the normals of one surface and those of the nearest triangles of another, at random
+/// points: centres of triangles are where a remeshing may have fitted them.
+double normal_error(const TriangleMesh& from, const TriangleMesh& to, const TriangleTree& to_tree) {
+  const Points normals = face_normals(from.positions, from.triangles);
+  const Points to_normals = face_normals(to.positions, to.triangles);
+  const Eigen::VectorXd areas = face_areas(from.positions, from.triangles);
+  Random random(1);
+  Points points(kNormalSamples, 3);
+  std::vector<Eigen::Index> triangle(kNormalSamples);
+  const double step = areas.sum() / kNormalSamples;
+  if (!(step > 0)) return 0;
+  Eigen::Index f = 0;
+  double below = 0;
+  for (int s = 0; s < kNormalSamples; ++s) {
+    // One point in every one of equal shares of the area.
+    const double at = (s + random.uniform()) * step;
+    while (f + 1 < areas.size() && below + areas[f] < at) below += areas[f++];
+    double u = random.uniform(), v = random.uniform();
+    if (u + v > 1) {
+      u = 1 - u;
+      v = 1 - v;
+    }
+    const auto corner = [&](int k) { return from.positions.row(from.triangles(f, k)); };
+    points.row(s) = (1 - u - v) * corner(0) + u * corner(1) + v * corner(2);
+    triangle[s] = f;
+  }
+  const std::vector<ClosestPoint> closest = to_tree.closest(points);
+  double sum = 0;
+  for (int s = 0; s < kNormalSamples; ++s) {
+    const Vector3d a = normals.row(triangle[s]), b = to_normals.row(closest[s].element);
+    sum += std::atan2(a.cross(b).norm(), a.dot(b));
+  }
+  return sum / kNormalSamples;
+}
+
 /// The mesh with only the vertices that triangles use, so that numbers agree between all that is measured.
 TriangleMesh compacted(const TriangleMesh& mesh) {
   const HalfedgeMesh::Compact compact =
@@ -87,7 +141,7 @@ TriangleMesh compacted(const TriangleMesh& mesh) {
 
 }  // namespace
 
-RemeshMeasures remesh_measures(const TriangleMesh& original, const TriangleMesh& result,
+RemeshMeasures remesh_measures(const TriangleMesh& original, const TriangleMesh& result, double crease_angle,
                                const Progress& progress) {
   if (original.n_triangles() == 0 || result.n_triangles() == 0)
     throw InvalidInput("there are no triangles to measure");
@@ -105,47 +159,30 @@ RemeshMeasures remesh_measures(const TriangleMesh& original, const TriangleMesh&
   const std::vector<ClosestPoint> nearest = SegmentTree(after.positions, vertices).closest(before.positions);
   const Curvatures curvature = discrete_curvatures(after.positions, after.triangles);
   const Curvatures curvature_before = discrete_curvatures(before.positions, before.triangles);
-  const Eigen::VectorXd edges = edge_variances(HalfedgeMesh(after.positions, after.triangles));
-  const Eigen::VectorXd edges_before = edge_variances(HalfedgeMesh(before.positions, before.triangles));
+  const HalfedgeMesh connected(after.positions, after.triangles),
+      connected_before(before.positions, before.triangles);
+  const Eigen::VectorXd edges = edge_variances(connected), edges_before = edge_variances(connected_before);
+  const std::vector<char> out = left_out(connected, crease_angle),
+                          out_before = left_out(connected_before, crease_angle);
   double change = 0, size = 0, edge_change = 0;
   for (Eigen::Index v = 0; v < before.n_vertices(); ++v) {
     const Eigen::Index u = nearest[v].element;
     edge_change += std::pow(edges[u] - edges_before[v], 2);
-    if (curvature_before.on_border[v] != 0 || curvature.on_border[u] != 0) continue;
+    if (out_before[v] != 0 || out[u] != 0) continue;
     change += std::pow(curvature.mean[u] - curvature_before.mean[v], 2);
     size += std::pow(curvature_before.mean[v], 2);
   }
   measures.curvature_change = relative(std::sqrt(change), std::sqrt(size));
   measures.edge_variance_change = relative(std::sqrt(edge_change), edges_before.norm());
-  const double spread = variance(curvature_before.mean, curvature_before.on_border);
-  measures.curvature_variance_change =
-      relative(std::abs(variance(curvature.mean, curvature.on_border) - spread), spread);
+  const double spread = variance(curvature_before.mean, out_before);
+  measures.curvature_variance_change = relative(std::abs(variance(curvature.mean, out) - spread), spread);
 
   progress.report("measuring", 0.5);
   const TriangleTree tree(after.positions, after.triangles);
   const double diameter = bounding_box_diagonal(before.positions);
   if (diameter > 0) measures.mean_distance = distances(tree.closest(before.positions)).mean() / diameter;
 
-  double area = 0;
-  for (const AreaSample& sample : area_samples(before.positions, before.triangles, 1e300))
-    area += sample.area;
-  const std::vector<AreaSample> samples =
-      area_samples(before.positions, before.triangles, area / kNormalSamples);
-  Points points(static_cast<Eigen::Index>(samples.size()), 3);
-  for (std::size_t s = 0; s < samples.size(); ++s)
-    points.row(static_cast<Eigen::Index>(s)) = samples[s].point;
-  const std::vector<ClosestPoint> closest = tree.closest(points);
-  double sum = 0;
-  for (std::size_t s = 0; s < samples.size(); ++s) {
-    const Eigen::Index f = closest[s].element;
-    const Vector3d a = after.positions.row(after.triangles(f, 0)),
-                   b = after.positions.row(after.triangles(f, 1)),
-                   c = after.positions.row(after.triangles(f, 2));
-    const Vector3d normal = (b - a).cross(c - a);
-    sum +=
-        samples[s].area * std::atan2(samples[s].normal.cross(normal).norm(), samples[s].normal.dot(normal));
-  }
-  if (area > 0) measures.normal_error = sum / area;
+  measures.normal_error = normal_error(before, after, tree);
   return measures;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 #include "batten/core/progress.hpp"
+#include "batten/core/units.hpp"
 #include "batten/mesh/triangle_mesh.hpp"
 
 namespace batten {
@@ -25,8 +26,10 @@ struct RemeshMeasures {
   double normal_error = 0;
 };
 
+/// @param crease_angle vertices on borders and on edges that turn by more than this, radians, are left out of
+/// curvatures: there H is that of the edge, in inverse proportion to the size of the triangles.
 /// @throws InvalidInput when a mesh has no triangles or is no oriented manifold; Cancelled.
 RemeshMeasures remesh_measures(const TriangleMesh& original, const TriangleMesh& result,
-                               const Progress& progress = {});
+                               double crease_angle = radians(30.0), const Progress& progress = {});
 
 }  // namespace batten

@@ -18,7 +18,7 @@ struct NormalFitOptions {
   /// No move makes a smallest angle less than this (or than it was), radians.
   double least_angle = 0.6;
   /// Rounds over all vertices and edges, at least 0; a round looks only at what changed in the last.
-  int rounds = 6;
+  int rounds = 5;
 };
 
 /// Moves vertices and turns edges where the triangles then have normals nearer to those of the reference, at

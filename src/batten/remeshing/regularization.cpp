@@ -4,8 +4,9 @@
 #include <cmath>
 #include <vector>
 
+#include <Eigen/IterativeLinearSolvers>
+
 #include "batten/core/parallel.hpp"
-#include "batten/linalg/iterative.hpp"
 #include "batten/operators/laplacian.hpp"
 
 namespace batten {
@@ -83,9 +84,12 @@ Eigen::VectorXd regularized_areas(const SparseMatrix& stiffness, const Eigen::Ve
   if (!(speed > 0)) return areas;
   K *= 10 * density.mean() / speed;
   for (Eigen::Index i = 0; i < K.cols(); ++i) K.coeffRef(i, i) += 1;
-  Eigen::MatrixXd diffused = density;
-  solve_conjugate_gradients(K, density, diffused, "area diffusion of remeshing", {.tolerance = 1e-4});
-  Eigen::VectorXd wanted = diffused.col(0).cwiseProduct(shares);
+  // The step is short and the matrix near its diagonal: an incomplete factor would cost more than it saves.
+  Eigen::ConjugateGradient<SparseMatrix, Eigen::Lower | Eigen::Upper> solver;
+  solver.setTolerance(1e-4);
+  solver.compute(K);
+  Eigen::VectorXd wanted = solver.solveWithGuess(density, density).cwiseProduct(shares);
+  if (!wanted.allFinite() || !(wanted.minCoeff() > 0)) return areas;
   return wanted * (areas.sum() / wanted.sum());
 }
 

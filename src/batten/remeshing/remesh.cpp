@@ -9,7 +9,6 @@
 
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
-#include "batten/linalg/iterative.hpp"
 #include "batten/mesh/distance.hpp"
 #include "batten/operators/curvature.hpp"
 #include "batten/operators/laplacian.hpp"

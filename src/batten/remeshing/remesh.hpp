@@ -37,7 +37,7 @@ struct RemeshOptions {
   /// of curvature; scaled only where n_vertices is given.
   Eigen::VectorXd sizes;
   /// Most rounds of STEP 0 to 2, at least 1.
-  int max_iterations = 10;
+  int max_iterations = 8;
   /// Stop when Var(A) / (N Ā²) changes by less between rounds (H: 1e-6, there absolute), A being vertex areas
   /// relative to the wanted ones; at least 0.
   double tolerance = 1e-6;
