@@ -4,11 +4,12 @@
 #include <cmath>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
 #include "batten/core/units.hpp"
-#include "batten/deformation/deformer.hpp"
+#include "batten/deformation/multiresolution.hpp"
 #include "batten/io/file.hpp"
 #include "batten/io/handles_io.hpp"
 #include "batten/io/mesh_io.hpp"
@@ -22,6 +23,7 @@ struct DeformArguments {
   std::string in, out, handles, energy = "total", nonlinear = "gauss-newton";
   double soft = 0;
   int iterations = DeformOptions{}.max_iterations;
+  bool multiresolution = false;
 };
 
 DeformOptions options_of(const DeformArguments& arguments) {
@@ -48,15 +50,25 @@ Outcome run_deform(const DeformArguments& arguments, Context& context) {
   }
   const DeformOptions options = options_of(arguments);
   std::unique_ptr<Deformer> deformer;
+  std::unique_ptr<MultiresolutionDeformer> in_two;
+  double curvature_term = 0;
   {
     const ScopedStage stage(outcome.times, "factorise");
-    deformer = std::make_unique<Deformer>(mesh.positions, mesh.triangles, handles.vertices(), options);
+    if (arguments.multiresolution) {
+      MultiresolutionOptions two;
+      two.deform = options;
+      in_two = std::make_unique<MultiresolutionDeformer>(mesh.positions, mesh.triangles, handles.vertices(),
+                                                         two, context.progress);
+      curvature_term = in_two->curvature_term();
+    } else {
+      deformer = std::make_unique<Deformer>(mesh.positions, mesh.triangles, handles.vertices(), options);
+      curvature_term = deformer->curvature_term();
+    }
   }
-  if (options.energy == DeformationEnergy::TotalCurvature &&
-      deformer->curvature_term() < options.curvature_term)
+  if (options.energy == DeformationEnergy::TotalCurvature && curvature_term < options.curvature_term)
     outcome.warnings.push_back(
         concat("the total curvature energy is indefinite on this shape: its curvature term was scaled by ",
-               deformer->curvature_term()));
+               curvature_term));
   Deformer::Result result;
   {
     const ScopedStage stage(outcome.times, "deform");
@@ -65,10 +77,18 @@ Outcome run_deform(const DeformArguments& arguments, Context& context) {
         options.detail == DetailPreservation::None
             ? 1
             : std::max(1, static_cast<int>(std::ceil(handles.largest_angle() / radians(45.0) - 1e-9)));
-    for (int part = 1; part <= parts; ++part) {
-      const Points start = result.positions;
-      result = deformer->deform(handles.targets(mesh.positions, static_cast<double>(part) / parts),
-                                part > 1 ? &start : nullptr, context.progress);
+    std::vector<Points> stages;
+    for (int part = 1; part < parts; ++part)
+      stages.push_back(handles.targets(mesh.positions, static_cast<double>(part) / parts));
+    const Points targets = handles.targets(mesh.positions);
+    if (in_two != nullptr) {
+      result = in_two->deform(targets, stages, context.progress);
+    } else {
+      stages.push_back(targets);
+      for (const Points& goal : stages) {
+        const Points start = result.positions;
+        result = deformer->deform(goal, start.rows() > 0 ? &start : nullptr, context.progress);
+      }
     }
   }
   if (!result.report.converged)
@@ -90,7 +110,8 @@ Outcome run_deform(const DeformArguments& arguments, Context& context) {
   figures["iterations"] = result.report.iterations;
   figures["converged"] = result.report.converged;
   figures["last_move"] = result.report.last_move;
-  figures["curvature_term"] = deformer->curvature_term();
+  figures["curvature_term"] = curvature_term;
+  if (in_two != nullptr) figures["base_vertices"] = in_two->base().n_vertices();
   outcome.lines.push_back(concat(arguments.out, ": ", mesh.n_vertices(), " vertices, ", handles.fixed.size(),
                                  " fixed, ", handles.vertices().size() - handles.fixed.size(), " moved, ",
                                  result.report.iterations, " iterations"));
@@ -116,6 +137,8 @@ void add_deform(CLI::App& app) {
       ->check(CLI::IsMember({"none", "shape-matching", "gauss-newton"}));
   command->add_option("--soft", arguments->soft, "Weight of soft handles; 0 meets them exactly")
       ->check(CLI::Range(0.0, 1e12));
+  command->add_flag("--multiresolution", arguments->multiresolution,
+                    "Iterate on a simplified mesh, put the detail back, finish on the mesh itself");
   command->add_option("--iterations", arguments->iterations, "Most iterations per part of the motion")
       ->check(CLI::Range(1, 100000));
 }
