@@ -15,7 +15,9 @@
 #include "batten/io/mesh_io.hpp"
 #include "batten/mesh/distance.hpp"
 #include "batten/mesh/halfedge_mesh.hpp"
+#include "batten/remeshing/area_samples.hpp"
 #include "batten/remeshing/feature_chains.hpp"
+#include "batten/remeshing/measures.hpp"
 #include "batten/remeshing/regularization.hpp"
 
 namespace batten {
@@ -240,14 +242,110 @@ TEST(Remesh, RefusesBadInputAndOptions) {
   EXPECT_THROW(remesh(input, {}, stop), Cancelled);
 }
 
-// The acceptance on fandisk at the mean edge length of the input; figures of other programs in BASELINES.
-TEST(Remesh, GivesGoodTrianglesOnFandisk) {
+/// Share of the inner vertices with six edges.
+double share_of_six(const TriangleMesh& result) {
+  const HalfedgeMesh mesh(result.positions, result.triangles);
+  int six = 0, all = 0;
+  for (int v = 0; v < mesh.vertex_capacity(); ++v)
+    if (mesh.has_vertex(v) && !mesh.is_border_vertex(v)) {
+      ++all;
+      six += mesh.valence(v) == 6 ? 1 : 0;
+    }
+  return static_cast<double>(six) / all;
+}
+
+// The acceptance on fandisk at the mean edge length of the input. Bounds of vertices, distance and normals
+// are what MeshLab's isotropic remeshing reaches on the same input (distances over the diameter).
+TEST(Remesh, BeatsIsotropicRemeshingOnFandisk) {
+  const std::string path = BATTEN_SHARED_DATA "/meshes/fandisk.obj";
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is missing";
+  const TriangleMesh input = read_mesh(path);
+  const RemeshResult result = remesh(input);
+  const Angles angles = smallest_angles(result.mesh);
+  EXPECT_GE(angles.mean, 49);
+  EXPECT_GE(share_of_six(result.mesh), 0.80);
+  EXPECT_LE(result.mesh.n_vertices(), 6060);
+  const RemeshMeasures measures = remesh_measures(input, result.mesh);
+  EXPECT_LE(degrees(measures.normal_error), 0.29);
+  EXPECT_LE(degrees(remesh_measures(result.mesh, input).normal_error), 0.29);
+  const double diameter = bounding_box_diagonal(input.positions);
+  const TriangleTree before(input.positions, input.triangles),
+      after(result.mesh.positions, result.mesh.triangles);
+  const auto rms = [&](const TriangleMesh& from, const TriangleTree& to) {
+    double squares = 0, area = 0;
+    for (const AreaSample& sample :
+         area_samples(from.positions, from.triangles, 1e-5 * diameter * diameter)) {
+      squares += sample.area * to.closest(sample.point).squared_distance;
+      area += sample.area;
+    }
+    return std::sqrt(squares / area) / diameter;
+  };
+  EXPECT_LE(rms(input, after), 6.7e-5);
+  EXPECT_LE(rms(result.mesh, before), 6.7e-5);
+  // H, table 2.3: ahead of the Laplacian flow in what the flow disturbs, curvature and distance.
+  RemeshOptions options;
+  options.method = RemeshMethod::LaplacianFlow;
+  const RemeshMeasures flow = remesh_measures(input, remesh(input, options).mesh);
+  EXPECT_LT(measures.curvature_change, flow.curvature_change);
+  EXPECT_LT(measures.mean_distance, flow.mean_distance);
+  EXPECT_LT(measures.edge_variance_change, flow.edge_variance_change);
+}
+
+// No face is thin unless kept edges force it: all three corners of such a face lie on them.
+TEST(Remesh, HasThinFacesOnlyBetweenKeptEdges) {
   const std::string path = BATTEN_SHARED_DATA "/meshes/fandisk.obj";
   if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is missing";
   const RemeshResult result = remesh(read_mesh(path));
-  const Angles angles = smallest_angles(result.mesh);
-  EXPECT_GE(angles.mean, 49);
-  EXPECT_LE(result.mesh.n_vertices(), 6060);
+  HalfedgeMesh mesh(result.mesh.positions, result.mesh.triangles);
+  FeatureOptions options;
+  options.crease_angle = radians(30.0);
+  options.corner_angle = radians(40.0);
+  options.fade = 0.5;
+  mark_features(mesh, options);
+  std::vector<char> kept(mesh.vertex_capacity(), 0);
+  for (int h = 0; h < mesh.halfedge_capacity(); ++h)
+    if (mesh.is_representative(h) && mesh.is_marked(h)) kept[mesh.from(h)] = kept[mesh.to(h)] = 1;
+  for (Eigen::Index f = 0; f < result.mesh.n_triangles(); ++f) {
+    TriangleMesh face;
+    face.positions = result.mesh.positions;
+    face.triangles = result.mesh.triangles.row(f);
+    if (smallest_angles(face).least >= 20) continue;
+    for (int k = 0; k < 3; ++k) EXPECT_TRUE(kept[result.mesh.triangles(f, k)]) << f;
+  }
+}
+
+// A crease of a strip that fades from 60° to nothing: it is kept while it is above 30° and then followed to
+// half of that, where an even bend beside it would be as sharp.
+TEST(FeatureChains, FollowsACreaseThatFades) {
+  const int n = 24;
+  TriangleMesh strip;
+  strip.positions.resize(3 * (n + 1), 3);
+  strip.triangles.resize(4 * n, 3);
+  for (int i = 0; i <= n; ++i) {
+    const double half = radians(60.0) / 2 * (1 - i / double(n));
+    for (int j = 0; j < 3; ++j)
+      strip.positions.row(3 * i + j) << 0.2 * i, (j - 1) * std::cos(half), std::abs(j - 1) * std::sin(half);
+    if (i == n) continue;
+    for (int j = 0; j < 2; ++j) {
+      const int a = 3 * i + j;
+      strip.triangles.row(4 * i + 2 * j) << a, a + 3, a + 4;
+      strip.triangles.row(4 * i + 2 * j + 1) << a, a + 4, a + 1;
+    }
+  }
+  const auto crease_edges = [&](double fade) {
+    HalfedgeMesh mesh(strip.positions, strip.triangles);
+    FeatureOptions options;
+    options.crease_angle = radians(30.0);
+    options.corner_angle = radians(40.0);
+    options.fade = fade;
+    mark_features(mesh, options);
+    int count = 0;
+    for (int h = 0; h < mesh.halfedge_capacity(); ++h)
+      count += mesh.is_representative(h) && mesh.is_marked(h) && !mesh.is_border_edge(h) ? 1 : 0;
+    return count;
+  };
+  EXPECT_NEAR(crease_edges(1), n / 2, 1);
+  EXPECT_NEAR(crease_edges(0.5), 3 * n / 4, 1);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Dense>
 
@@ -54,6 +55,36 @@ std::vector<int> parts(const Triangles& triangles, Eigen::Index n) {
     }
   for (Eigen::Index v = 0; v < n; ++v) parent[v] = root(static_cast<int>(v));
   return parent;
+}
+
+/// Lengthens all edges by one small amount, such that no triangle is flatter than a hundredth of the mean
+/// edge (Sharp, Crane 2020): weights of degenerate triangles stay finite, those of good ones hardly change.
+EdgeLengths mollified(EdgeLengths lengths) {
+  if (lengths.rows() == 0) return lengths;
+  const double least = 1e-2 * lengths.mean();
+  double add = 0;
+  for (Eigen::Index f = 0; f < lengths.rows(); ++f)
+    for (int k = 0; k < 3; ++k)
+      add = std::max(add, least + lengths(f, k) - lengths(f, (k + 1) % 3) - lengths(f, (k + 2) % 3));
+  lengths.array() += add;
+  return lengths;
+}
+
+/// Negative weights of obtuse pairs of triangles become 0; rows keep their sum of zero.
+void clamp_weights(SparseMatrix& K) {
+  for (Eigen::Index i = 0; i < K.cols(); ++i) {
+    double sum = 0;
+    double* diagonal = nullptr;
+    for (SparseMatrix::InnerIterator entry(K, i); entry; ++entry) {
+      if (entry.row() == i) {
+        diagonal = &entry.valueRef();
+        continue;
+      }
+      entry.valueRef() = std::min(entry.value(), 0.0);
+      sum += entry.value();
+    }
+    if (diagonal != nullptr) *diagonal = -sum;
+  }
 }
 
 /// The stiffness matrix of ∇·(g ∇·): every edge weight of K times the mean of g at its ends.
@@ -249,8 +280,11 @@ Deformer::Deformer(const Points& positions, const Triangles& triangles, std::vec
       throw InvalidInput(concat("vertex ", v, " is constrained twice; name it once"));
     index_of_known[v] = static_cast<int>(c);
   }
-  const EdgeLengths lengths = edge_lengths(positions, triangles);
+  const EdgeLengths lengths = mollified(edge_lengths(positions, triangles));
   self.K = cotangent_stiffness(triangles, lengths, n);
+  // Rotations are fitted with weights of at least 0; the energies that follow them must have the same, or the
+  // alternation need not descend.
+  if (options.detail != DetailPreservation::None) clamp_weights(self.K);
   const Eigen::VectorXd mass = lumped_mass(triangles, lengths, n);
   const std::vector<int> part = parts(triangles, n);
   std::vector<char> held(n, 0), used(n, 0);
@@ -366,6 +400,7 @@ Deformer::Result Deformer::deform(const Points& targets, const Points* start,
   const bool gauss_newton = self.options.detail == DetailPreservation::GaussNewton;
   const Points constant = gauss_newton ? self.displacement_forces() : zero;
   std::vector<Matrix3d> rotations;
+  double damping = 1, last_move = std::numeric_limits<double>::infinity();
   result.report.converged = false;
   while (!result.report.converged && result.report.iterations < self.options.max_iterations) {
     Points next;
@@ -377,7 +412,14 @@ Deformer::Result Deformer::deform(const Points& targets, const Points* start,
       next = self.solve(self.turned_rest(rotations), targets, result.positions);
     }
     const double move = (next - result.positions).rowwise().norm().maxCoeff();
-    result.positions = std::move(next);
+    // Neither alternation is bound to descend: on irregular triangles the steps may begin to swing. Then they
+    // are shortened, which leaves the solution, where the step is zero, in its place.
+    damping = move < 0.95 * last_move ? std::min(1.0, 1.05 * damping) : std::max(0.05, 0.7 * damping);
+    last_move = move;
+    if (damping < 1)
+      result.positions += damping * (next - result.positions);
+    else
+      result.positions = std::move(next);
     ++result.report.iterations;
     result.report.last_move = self.diameter > 0 ? move / self.diameter : 0;
     result.report.converged = result.report.last_move <= self.options.tolerance;

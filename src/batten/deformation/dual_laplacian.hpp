@@ -21,7 +21,7 @@ class DualLaplacian {
   /// whose vectors the normals could not express: see `followed()`.
   void evaluate(const Points& positions, Points& delta) const;
 
-  /// Per vertex: 1 where the normals express the vector to within a third of its length. Others (flat rings
+  /// Per vertex: 1 where the normals express the vector to within 15 % of its length. Others (flat rings
   /// on a border, whose vectors lie in the surface) need a rotation of their own.
   const std::vector<char>& followed() const { return followed_; }
 

@@ -172,14 +172,17 @@ RemeshMeasures remesh_measures(const TriangleMesh& original, const TriangleMesh&
     change += std::pow(curvature.mean[u] - curvature_before.mean[v], 2);
     size += std::pow(curvature_before.mean[v], 2);
   }
-  measures.curvature_change = relative(std::sqrt(change), std::sqrt(size));
+  const double diameter = bounding_box_diagonal(before.positions);
+  // A flat surface has no curvature but rounding, which says nothing.
+  const double rounding = 1e-9 * std::sqrt(static_cast<double>(before.n_vertices()));
+  if (std::sqrt(size) * diameter > rounding)
+    measures.curvature_change = relative(std::sqrt(change), std::sqrt(size));
   measures.edge_variance_change = relative(std::sqrt(edge_change), edges_before.norm());
   const double spread = variance(curvature_before.mean, out_before);
   measures.curvature_variance_change = relative(std::abs(variance(curvature.mean, out) - spread), spread);
 
   progress.report("measuring", 0.5);
   const TriangleTree tree(after.positions, after.triangles);
-  const double diameter = bounding_box_diagonal(before.positions);
   if (diameter > 0) measures.mean_distance = distances(tree.closest(before.positions)).mean() / diameter;
 
   measures.normal_error = normal_error(before, after, tree);

@@ -120,6 +120,7 @@ class Remesher {
   Remesher(const TriangleMesh& input, const RemeshOptions& options, const Progress& progress)
       : options_(options), progress_(progress) {
     HalfedgeMesh mesh(input.positions, input.triangles, NonManifoldVertices::Split);
+    report_.split_vertices = mesh.vertex_capacity() - static_cast<int>(input.n_vertices());
     ScopedStage stage(times_, "features and sizes");
     progress_.report("remeshing", 0);
     const double area = total_area(mesh);

@@ -47,6 +47,7 @@ struct RemeshReport {
   int iterations = 0;
   bool converged = false;             ///< stopped by the tolerance
   int feature_edges = 0;              ///< kept edges in the result, borders included
+  int split_vertices = 0;             ///< vertices added where fans of the input only touched
   int corners = 0;                    ///< vertices that were never moved
   std::vector<double> area_variance;  ///< Var(A) / (N Ā²) of relative areas after every round
   double target_vertices = 0;
