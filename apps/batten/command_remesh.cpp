@@ -48,8 +48,9 @@ Outcome run_remesh(const RemeshArguments& arguments, Context& context) {
   RemeshResult result = remesh(mesh, options, context.progress);
   outcome.times.add(result.times);
   if (result.report.split_vertices > 0)
-    outcome.warnings.push_back(concat("parts of the surface that only touch in a vertex were taken apart: ",
-                                      result.report.split_vertices, " vertices added"));
+    outcome.warnings.push_back(
+        concat("parts of the surface that only touch in a vertex were taken apart; vertices added: ",
+               result.report.split_vertices));
   if (!mesh.vertex_values.empty() && arguments.sizes.empty())
     outcome.warnings.push_back("values per vertex of the input are not carried over to the new vertices");
   {
