@@ -28,19 +28,6 @@ struct SimplifyArguments {
   double p = 0.1, alpha = 1, beta = 1, sigma = 0.5;
 };
 
-/// A validator from a parser that throws InvalidInput: bad usage is told before any file is read.
-template <typename Parse>
-auto checked(Parse parse) {
-  return [parse](const std::string& text) -> std::string {
-    try {
-      parse(text);
-      return {};
-    } catch (const InvalidInput& problem) {
-      return problem.what();
-    }
-  };
-}
-
 double parse_removed_fraction(const std::string& text) {
   const double fraction = parse_fraction(text);
   if (!(fraction > 0 && fraction < 1))
@@ -202,11 +189,11 @@ void add_simplify(CLI::App& app) {
   command->add_option("--faces", arguments->faces, "Keep at most this many faces")
       ->check(CLI::PositiveNumber);
   command->add_option("--remove", arguments->remove, "Remove this share of the faces (95%)")
-      ->check(checked(parse_removed_fraction));
+      ->check(parses("FRACTION", parse_removed_fraction));
   command
       ->add_option("--error", arguments->error,
                    "Stay within this distance of the input, in both directions (2mm, 0.5%)")
-      ->check(checked(parse_error_length));
+      ->check(parses("LENGTH", parse_error_length));
   command->add_option("--levels", arguments->levels, "Levels of plaplacian and of --keep-all-levels")
       ->check(CLI::Range(1, 100));
   command->add_option("--method", arguments->method, "Which edges go: quadric or plaplacian (H 2.4)")
@@ -214,7 +201,7 @@ void add_simplify(CLI::App& app) {
   command
       ->add_option("--keep-edges", arguments->keep_edges,
                    "Edges sharper than this angle stay edges (30deg), or off: as the error asks for it")
-      ->check(checked(parse_keep_edges));
+      ->check(parses("ANGLE|off", parse_keep_edges));
   command->add_option("--p", arguments->p, "plaplacian: exponent of the flow, above 0 to 2")
       ->check(CLI::Range(1e-3, 2.0));
   command->add_option("--alpha", arguments->alpha, "plaplacian: exponent of the error in (2.100)")
@@ -226,7 +213,7 @@ void add_simplify(CLI::App& app) {
   command->add_option("--sigma", arguments->sigma, "plaplacian: width of w3; smaller keeps sharper features")
       ->check(CLI::PositiveNumber);
   command->add_option("--fidelity", arguments->fidelity, "plaplacian: adaptive, or one number for all")
-      ->check(checked(parse_fidelity));
+      ->check(parses("adaptive|NUMBER", parse_fidelity));
   command->add_option("--keep-all-levels", arguments->levels_folder,
                       "Folder for the mesh of every level with its map to the next coarser one");
 }

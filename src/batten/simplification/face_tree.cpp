@@ -109,6 +109,34 @@ bool apart_triangles_meet(const Vector3d* s, const Vector3d* t) {
   return false;
 }
 
+/// Whether triangles pass through each other: those that only meet in a corner or along an edge do not, be it
+/// shared or, between pieces that were never joined, at the same place.
+bool triangles_cross(const FaceTree::Triangle& s, FaceTree::Triangle t) {
+  int shared = 0;
+  for (int i = 0; i < 3; ++i)
+    for (int k = 0; k < 3; ++k) {
+      if (s.corner[i] != t.corner[k] && s.point[i] != t.point[k]) continue;
+      t.corner[k] = s.corner[i];
+      ++shared;
+      break;
+    }
+  return shared < 2 && triangles_touch(s, t);
+}
+
+bool cross_each_other(const std::vector<FaceTree::Triangle>& triangles) {
+  for (std::size_t i = 0; i < triangles.size(); ++i)
+    for (std::size_t k = i + 1; k < triangles.size(); ++k)
+      if (triangles_cross(triangles[i], triangles[k])) return true;
+  return false;
+}
+
+bool touch_each_other(const std::vector<FaceTree::Triangle>& triangles) {
+  for (std::size_t i = 0; i < triangles.size(); ++i)
+    for (std::size_t k = i + 1; k < triangles.size(); ++k)
+      if (triangles_touch(triangles[i], triangles[k])) return true;
+  return false;
+}
+
 bool is_one_closed_surface(const HalfedgeMesh& mesh) {
   std::vector<char> reached(mesh.face_capacity(), 0);
   std::vector<int> stack;
@@ -279,6 +307,16 @@ void FaceTree::update(int f) {
   }
 }
 
+std::vector<FaceTree::Triangle> FaceTree::as_they_are(const std::vector<int>& faces) const {
+  std::vector<Triangle> triangles(faces.size());
+  for (std::size_t i = 0; i < faces.size(); ++i)
+    for (int k = 0; k < 3; ++k) {
+      triangles[i].corner[k] = mesh_.from(3 * faces[i] + k);
+      triangles[i].point[k] = mesh_.position(triangles[i].corner[k]);
+    }
+  return triangles;
+}
+
 bool FaceTree::intersects(const std::vector<Triangle>& triangles, const std::vector<int>& replaced) {
   ++stamp_;
   // Where old and new triangles all look to the same side as their mean, they cover the same polygon in the
@@ -303,10 +341,8 @@ bool FaceTree::intersects(const std::vector<Triangle>& triangles, const std::vec
   if (graph)
     for (const Triangle& t : triangles)
       for (const int v : t.corner) ring_[v] = stamp_;
-  else
-    for (std::size_t i = 0; i < triangles.size(); ++i)
-      for (std::size_t k = i + 1; k < triangles.size(); ++k)
-        if (triangles_touch(triangles[i], triangles[k])) return true;
+  else if (touch_each_other(triangles) && !cross_each_other(as_they_are(replaced)))
+    return true;
   if (nodes_.empty()) return false;
   struct Bounds {
     float low[3], high[3];
@@ -381,7 +417,14 @@ bool FaceTree::intersects(const std::vector<Triangle>& triangles, const std::vec
       if (all.misses(b.low, b.high)) continue;
       for (std::size_t t = 0; t < triangles.size(); ++t) {
         if (t < n_bounded && bounds[t].misses(b.low, b.high)) continue;
-        if (triangles_touch(triangles[t], other)) return true;
+        if (!triangles_touch(triangles[t], other)) continue;
+        // What intersects already may go on doing so; else nothing could be done where the input does.
+        const std::vector<Triangle> present = as_they_are(replaced);
+        const bool before = std::any_of(present.begin(), present.end(),
+                                        [&](const Triangle& p) { return triangles_cross(p, other); });
+        if (!before) return true;
+        alternates_ = false;  // sheets that pass through each other hide nothing
+        break;
       }
     }
   }

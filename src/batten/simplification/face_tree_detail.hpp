@@ -24,7 +24,9 @@ class FaceTree {
 
   /// Whether the new triangles would touch each other or any face of the mesh, other than along the corners
   /// and edges they share. @param replaced faces that will be gone.
-  /// Two triangles that share an edge count as touching only when one is folded onto the other.
+  /// Two triangles that share an edge count as touching only when one is folded onto the other. Crossing is
+  /// allowed where it is there already: with a face that one of the replaced crosses, and among the new when
+  /// the replaced cross each other.
   bool intersects(const std::vector<Triangle>& triangles, const std::vector<int>& replaced);
 
   /// To be called after face f changed its corners or their positions, or appeared.
@@ -38,6 +40,7 @@ class FaceTree {
     float normal_low[3], normal_high[3];  ///< bounds of the unit normals of its faces
     std::int32_t parent, left, right;     ///< of a leaf: left = first in faces_, right = −count
   };
+  std::vector<Triangle> as_they_are(const std::vector<int>& faces) const;
   void rebuild();
   void set_normal(int f);
   std::int32_t build_node(std::int32_t begin, std::int32_t end, std::int32_t parent);

@@ -33,7 +33,7 @@ struct FitOptions {
   double flip_shape = 10;
   /// The root mean square error to end with, relative to that at the start, where triangles are well shaped
   /// and where they are poor: what the fit gains goes into shape.
-  double budget_good = 0.93, budget_poor = 1.0;
+  double budget_good = 0.93, budget_poor = 1.03;
 };
 
 /// Moves the vertices and turns the edges of a simplified mesh so that it fits samples of the original
