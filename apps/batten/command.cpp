@@ -166,7 +166,9 @@ int run(int argc, char** argv) {
   add_render(app);
   add_info(app);
   add_fair(app);
+  add_remesh(app);
   add_simplify(app);
+  add_deform(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& request) {  // --help, --version

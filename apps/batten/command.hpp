@@ -66,6 +66,8 @@ void add_convert(CLI::App& app);
 void add_render(CLI::App& app);
 void add_info(CLI::App& app);
 void add_fair(CLI::App& app);
+void add_remesh(CLI::App& app);
 void add_simplify(CLI::App& app);
+void add_deform(CLI::App& app);
 
 }  // namespace batten::cli

@@ -1,0 +1,129 @@
+#include "command.hpp"
+
+#include <memory>
+#include <string>
+
+#include "batten/core/error.hpp"
+#include "batten/core/text.hpp"
+#include "batten/core/units.hpp"
+#include "batten/io/file.hpp"
+#include "batten/io/mesh_io.hpp"
+#include "batten/mesh/quality.hpp"
+#include "batten/remeshing/measures.hpp"
+#include "batten/remeshing/remesh.hpp"
+
+namespace batten::cli {
+
+namespace {
+
+struct RemeshArguments {
+  std::string in, out, edge, keep_edges = "30deg", method = "ar", sizes;
+  int vertices = 0, iterations = RemeshOptions{}.max_iterations;
+  double adaptivity = RemeshOptions{}.adaptivity;
+};
+
+Outcome run_remesh(const RemeshArguments& arguments, Context& context) {
+  Outcome outcome;
+  mesh_format(arguments.out);
+  TriangleMesh mesh;
+  {
+    const ScopedStage stage(outcome.times, "read");
+    mesh = read_mesh(arguments.in, &outcome.warnings);
+  }
+  RemeshOptions options;
+  options.method = arguments.method == "lf" ? RemeshMethod::LaplacianFlow : RemeshMethod::Adaptive;
+  options.adaptivity = arguments.adaptivity;
+  options.n_vertices = arguments.vertices;
+  options.max_iterations = arguments.iterations;
+  options.keep_edges = parse_angle(arguments.keep_edges);
+  if (!arguments.edge.empty())
+    options.edge_length = parse_length(arguments.edge).in_file_units(bounding_box_diagonal(mesh.positions));
+  if (!arguments.sizes.empty()) {
+    const auto found = mesh.vertex_values.find(arguments.sizes);
+    if (found == mesh.vertex_values.end())
+      throw InvalidInput(concat(arguments.in, " has no value '", arguments.sizes,
+                                "' per vertex; --sizes names a property of a PLY file"));
+    options.sizes = found->second;
+  }
+  RemeshResult result = remesh(mesh, options, context.progress);
+  outcome.times.add(result.times);
+  if (result.report.split_vertices > 0)
+    outcome.warnings.push_back(
+        concat("parts of the surface that only touch in a vertex were taken apart; vertices added: ",
+               result.report.split_vertices));
+  if (!mesh.vertex_values.empty() && arguments.sizes.empty())
+    outcome.warnings.push_back("values per vertex of the input are not carried over to the new vertices");
+  {
+    const ScopedStage stage(outcome.times, "write");
+    write_mesh(arguments.out, result.mesh);
+  }
+  RemeshMeasures measures;
+  {
+    const ScopedStage stage(outcome.times, "measure");
+    measures = remesh_measures(mesh, result.mesh, options.keep_edges, context.progress);
+  }
+  const MeshQuality quality = mesh_quality(result.mesh.positions, result.mesh.triangles);
+  Json& figures = outcome.figures;
+  figures["vertices"] = result.mesh.n_vertices();
+  figures["faces"] = result.mesh.n_triangles();
+  figures["target_vertices"] = result.report.target_vertices;
+  figures["iterations"] = result.report.iterations;
+  figures["converged"] = result.report.converged;
+  figures["kept_edges"] = result.report.feature_edges;
+  figures["corners"] = result.report.corners;
+  figures["area_variance"] = result.report.area_variance;
+  figures["mean_smallest_angle_deg"] = degrees(quality.mean_min_angle);
+  figures["smallest_angle_deg"] = degrees(quality.min_angle);
+  // H, table 2.3.
+  figures["curvature_change"] = measures.curvature_change;
+  figures["edge_variance_change"] = measures.edge_variance_change;
+  figures["area_variance_change"] = measures.area_variance_change;
+  figures["curvature_variance_change"] = measures.curvature_variance_change;
+  figures["mean_distance"] = measures.mean_distance;
+  figures["normal_error_deg"] = degrees(measures.normal_error);
+  outcome.lines.push_back(concat(arguments.out, ": ", result.mesh.n_vertices(), " vertices, ",
+                                 result.mesh.n_triangles(), " triangles after ", result.report.iterations,
+                                 " rounds; ", result.report.feature_edges, " edges kept"));
+  outcome.lines.push_back(concat("smallest angles ", degrees(quality.mean_min_angle),
+                                 " degrees in the mean, ", degrees(quality.min_angle),
+                                 " at the least; normals off by ", degrees(measures.normal_error),
+                                 " degrees, mean curvature by ", 100 * measures.curvature_change, " %"));
+  return outcome;
+}
+
+}  // namespace
+
+void add_remesh(CLI::App& app) {
+  auto arguments = std::make_shared<RemeshArguments>();
+  CLI::App* command = add_command(app, "remesh", "Replace the triangles of a surface by better ones.",
+                                  "batten remesh part.obj -o even.ply --edge 2mm --adaptivity 0",
+                                  [arguments](Context& context) { return run_remesh(*arguments, context); });
+  command->add_option("IN", arguments->in, "Mesh: PLY, OBJ, OFF or STL")->required();
+  command->add_option("-o,--output", arguments->out, "Mesh to write; the extension decides the format")
+      ->required();
+  CLI::Option* edge =
+      command
+          ->add_option("--edge", arguments->edge,
+                       "Edge length: 0.05, 2mm or 1.6% of the diameter; by default that of the input")
+          ->check(parses("LENGTH", [](const std::string& text) {
+            if (!(parse_length(text).value > 0)) throw InvalidInput("--edge must be positive: " + text);
+          }));
+  command->add_option("--vertices", arguments->vertices, "Number of vertices, instead of an edge length")
+      ->check(CLI::Range(4, 100000000))
+      ->excludes(edge);
+  command->add_option("--adaptivity", arguments->adaptivity, "0: even; 1: as fine as curvature asks")
+      ->check(CLI::Range(0.0, 1.0));
+  command->add_option("--keep-edges", arguments->keep_edges, "Keep edges sharper than this angle")
+      ->check(parses("ANGLE", [](const std::string& text) {
+        const double angle = parse_angle(text);
+        if (!(angle > 0 && angle <= kPi + 1e-9))
+          throw InvalidInput("--keep-edges must lie above 0 and at most at 180deg: " + text);
+      }));
+  command->add_option("--method", arguments->method, "ar: adaptive remeshing; lf: Laplacian flow")
+      ->check(CLI::IsMember({"ar", "lf"}));
+  command->add_option("--sizes", arguments->sizes,
+                      "Value per vertex of a PLY file that holds the wanted edge lengths");
+  command->add_option("--iterations", arguments->iterations, "Most rounds")->check(CLI::Range(1, 1000));
+}
+
+}  // namespace batten::cli

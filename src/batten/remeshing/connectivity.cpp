@@ -1,0 +1,295 @@
+#include "batten/remeshing/connectivity.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Geometry>
+
+#include "batten/core/units.hpp"
+
+namespace batten {
+
+namespace {
+
+constexpr int kNone = HalfedgeMesh::kNone;
+using Eigen::Vector3d;
+
+double smallest_angle(const Vector3d& a, const Vector3d& b, const Vector3d& c) {
+  const Vector3d u = b - a, v = c - b, w = a - c;
+  const double doubled = u.cross(v).norm();
+  // The smallest angle lies opposite the shortest side.
+  const double uu = u.squaredNorm(), vv = v.squaredNorm(), ww = w.squaredNorm();
+  if (uu <= vv && uu <= ww) return std::atan2(doubled, -v.dot(w));
+  if (vv <= ww) return std::atan2(doubled, -u.dot(w));
+  return std::atan2(doubled, -u.dot(v));
+}
+
+double angle_between(const Vector3d& a, const Vector3d& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b));
+}
+
+/// Edges by a key, in an order that does not depend on how they are stored in memory.
+struct Candidate {
+  double key;
+  int halfedge;
+  bool operator<(const Candidate& other) const {
+    return key != other.key ? key < other.key : halfedge < other.halfedge;
+  }
+};
+
+}  // namespace
+
+RemeshState::RemeshState(HalfedgeMesh initial, const FeatureChains& features, const Eigen::VectorXd& sizes)
+    : mesh(std::move(initial)),
+      size(sizes.data(), sizes.data() + sizes.size()),
+      chain(features.chain_of_vertex),
+      place(features.place_of_vertex),
+      corner(features.is_corner.size(), kNone),
+      features_(&features) {
+  for (std::size_t v = 0; v < corner.size(); ++v)
+    if (features.is_corner[v] != 0) corner[v] = static_cast<int>(v);
+  for (std::size_t c = 0; c < features.chains.size(); ++c) {
+    const std::vector<int>& vertices = features.chains[c].vertices;
+    inner_vertices_.push_back(static_cast<int>(vertices.size()) - 2);
+    chains_between_[std::minmax(vertices.front(), vertices.back())].push_back(static_cast<int>(c));
+  }
+}
+
+int RemeshState::chain_of_edge(int h) const {
+  const int u = mesh.from(h), v = mesh.to(h);
+  if (chain[u] != kNone) return chain[u];
+  if (chain[v] != kNone) return chain[v];
+  // An edge from corner to corner: of the chains between the two, the one that has no vertex inside. There
+  // cannot be two, since they would be the same edge.
+  const auto found = chains_between_.find(std::minmax(corner[u], corner[v]));
+  if (found != chains_between_.end())
+    for (const int c : found->second)
+      if (inner_vertices_[c] == 0) return c;
+  return kNone;
+}
+
+double RemeshState::place_on(int chain_number, int v) const {
+  if (chain[v] == chain_number) return place[v];
+  const FeatureChain& curve = features_->chains[chain_number];
+  return corner[v] == curve.vertices.front() ? 0.0 : curve.length();
+}
+
+void RemeshState::add_vertex(int v, double size_there, int chain_there, double place_there) {
+  size.resize(v + 1, size_there);
+  chain.resize(v + 1, chain_there);
+  place.resize(v + 1, place_there);
+  corner.resize(v + 1, kNone);
+  size[v] = size_there;
+  chain[v] = chain_there;
+  place[v] = place_there;
+}
+
+int RemeshState::split_long_edges(double ratio) {
+  std::vector<Candidate> edges;
+  for (int h = 0; h < mesh.halfedge_capacity(); ++h)
+    if (mesh.is_representative(h)) {
+      const double key = edge_length(h) / wanted_length(h);
+      if (key > ratio) edges.push_back({-key, h});
+    }
+  std::sort(edges.begin(), edges.end());
+  int splits = 0;
+  // Halves that are still too long join the end of the list. The edges across do not: cutting them in any
+  // order need not end (between two far vertices the cuts can alternate for ever); they wait for the next
+  // round.
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    const int h = edges[i].halfedge;
+    if (!(edge_length(h) > ratio * wanted_length(h))) continue;
+    const int u = mesh.from(h), v = mesh.to(h);
+    const double size_there = 0.5 * (size[u] + size[v]);
+    int chain_there = kNone;
+    double place_there = 0;
+    Vector3d p = 0.5 * (mesh.position(u) + mesh.position(v));
+    if (mesh.is_marked(h)) {
+      chain_there = chain_of_edge(h);
+      place_there = 0.5 * (place_on(chain_there, u) + place_on(chain_there, v));
+      p = features_->chains[chain_there].at(place_there);
+      ++inner_vertices_[chain_there];
+    }
+    const int m = mesh.split_edge(h, p);
+    add_vertex(m, size_there, chain_there, place_there);
+    ++splits;
+    // h kept the half at u.
+    for (const int half : {h, mesh.find(m, v), mesh.find(v, m)})
+      if (half != kNone && edge_length(half) > ratio * wanted_length(half)) edges.push_back({0, half});
+  }
+  return splits;
+}
+
+bool RemeshState::collapse_is_sound(int h, const Vector3d& p, double longest) const {
+  const int u = mesh.from(h), v = mesh.to(h);
+  const int o = mesh.opposite(h);
+  const int f = HalfedgeMesh::face(h), g = o == kNone ? kNone : HalfedgeMesh::face(o);
+  bool sound = true;
+  // The worst angle may fall, but not below what was there or a fair bound.
+  double before = kPi, after = kPi;
+  for (const int end : {u, v}) {
+    const bool moves = end == u || p != mesh.position(v);
+    if (!moves) continue;
+    mesh.for_each_outgoing(end, [&](int out) {
+      const int face = HalfedgeMesh::face(out);
+      if (!sound) return;
+      const Vector3d &b = mesh.position(mesh.to(out)), &c = mesh.position(mesh.tip(out));
+      before = std::min(before, smallest_angle(mesh.position(end), b, c));
+      if (face == f || face == g) return;
+      const Vector3d old_normal = mesh.area_normal(face), new_normal = (b - p).cross(c - p);
+      // 0.5: no face turns by more than 60°. Faces without area have nothing to turn.
+      if (old_normal.norm() > 0 &&
+          !(old_normal.dot(new_normal) > 0.5 * old_normal.norm() * new_normal.norm()))
+        sound = false;
+      after = std::min(after, smallest_angle(p, b, c));
+      const double wanted = 0.5 * (size[mesh.to(out)] + size[v]);
+      if (mesh.to(out) != u && mesh.to(out) != v && (b - p).norm() > longest * wanted) sound = false;
+    });
+  }
+  return sound && after > std::min(before, radians(15.0));
+}
+
+bool RemeshState::collapse_towards(int h, bool reversed, double longest) {
+  // On a border there is one half-edge only: its start goes in any case, but may hand its place to the other.
+  const int u = mesh.from(h), v = mesh.to(h);
+  const int goes = reversed ? v : u, stays = reversed ? u : v;
+  if (corner[goes] != kNone) return false;
+  const bool along = mesh.is_marked(h);
+  if (!is_free(goes) && !along) return false;  // a feature vertex stays on its curve
+  Vector3d p = mesh.position(stays);
+  double new_place = place[stays];
+  if (along && corner[stays] == kNone) {
+    new_place = 0.5 * (place[u] + place[v]);
+    p = features_->chains[chain[goes]].at(new_place);
+  } else if (is_free(u) && is_free(v)) {
+    p = 0.5 * (mesh.position(u) + mesh.position(v));
+  }
+  if (!mesh.can_collapse(h) || !collapse_is_sound(h, p, longest)) return false;
+  if (chain[goes] != kNone) --inner_vertices_[chain[goes]];
+  const double new_size = size[stays];
+  const int new_chain = chain[stays], new_corner = corner[stays];
+  mesh.collapse(h);
+  mesh.set_position(v, p);
+  size[v] = new_size;
+  chain[v] = new_chain;
+  corner[v] = new_corner;
+  place[v] = new_place;
+  return true;
+}
+
+int RemeshState::collapse_short_edges(double ratio, double longest) {
+  std::vector<Candidate> edges;
+  for (int h = 0; h < mesh.halfedge_capacity(); ++h)
+    if (mesh.is_representative(h)) {
+      const double key = edge_length(h) / wanted_length(h);
+      if (key < ratio) edges.push_back({key, h});
+    }
+  std::sort(edges.begin(), edges.end());
+  int collapses = 0;
+  for (const Candidate& edge : edges) {
+    int h = edge.halfedge;
+    if (!mesh.has_halfedge(h) || !(edge_length(h) < ratio * wanted_length(h))) continue;
+    for (int side = 0; side < 2; ++side) {
+      if (side == 1 && mesh.opposite(h) != kNone) h = mesh.opposite(h);
+      if (collapse_towards(h, side == 1 && mesh.is_border_edge(h), longest)) {
+        ++collapses;
+        break;
+      }
+    }
+  }
+  return collapses;
+}
+
+bool RemeshState::flip_is_sound(int h, double turn, double* before, double* after) const {
+  if (!mesh.can_flip(h)) return false;
+  const int o = mesh.opposite(h);
+  const Vector3d &u = mesh.position(mesh.from(h)), &v = mesh.position(mesh.to(h)),
+                 &w = mesh.position(mesh.tip(h)), &x = mesh.position(mesh.tip(o));
+  const Vector3d n1 = (v - u).cross(w - u), n2 = (x - u).cross(v - u);
+  const Vector3d f1 = (w - x).cross(u - x), f2 = (x - w).cross(v - w);  // of the new faces x w u and w x v
+  const double a1 = n1.norm(), a2 = n2.norm();
+  *before = std::min(smallest_angle(u, v, w), smallest_angle(u, x, v));
+  *after = std::min(smallest_angle(x, w, u), smallest_angle(w, x, v));
+  if (!(f1.norm() > 0 && f2.norm() > 0)) return false;
+  if (!(a1 > 0 && a2 > 0)) return true;
+  const Vector3d normal = (n1 / a1 + n2 / a2).normalized();
+  const double old_turn = angle_between(n1, n2);
+  const double limit = std::max(turn, 0.75 * old_turn);
+  return angle_between(f1, normal) <= limit && angle_between(f2, normal) <= limit;
+}
+
+void RemeshState::relax_chains(double share) {
+  std::vector<double> moved = place;
+  std::vector<int> ends;
+  for (int v = 0; v < mesh.vertex_capacity(); ++v) {
+    if (!mesh.has_vertex(v) || chain[v] == kNone) continue;
+    ends.clear();
+    mesh.for_each_outgoing(v, [&](int h) {
+      if (mesh.is_marked(h)) ends.push_back(mesh.to(h));
+      const int before = HalfedgeMesh::prev(h);
+      if (mesh.is_border_edge(before) && mesh.is_marked(before)) ends.push_back(mesh.from(before));
+    });
+    if (ends.size() != 2) continue;
+    const double a = place_on(chain[v], ends[0]), b = place_on(chain[v], ends[1]);
+    const double to_a = size[v] + size[ends[0]], to_b = size[v] + size[ends[1]];
+    moved[v] += share * (a + (b - a) * to_a / (to_a + to_b) - place[v]);
+  }
+  place = std::move(moved);
+  for (int v = 0; v < mesh.vertex_capacity(); ++v)
+    if (mesh.has_vertex(v) && chain[v] != kNone)
+      mesh.set_position(v, features_->chains[chain[v]].at(place[v]));
+}
+
+int RemeshState::flip_for_valence(double turn, double least_angle) {
+  const int n = mesh.vertex_capacity();
+  std::vector<int> valence(n, 0), best(n, 6);
+  for (int v = 0; v < n; ++v) {
+    if (!mesh.has_vertex(v)) continue;
+    valence[v] = mesh.valence(v);
+    if (is_free(v)) continue;
+    double angles = 0;
+    mesh.for_each_outgoing(v, [&](int h) {
+      angles += angle_between(mesh.position(mesh.to(h)) - mesh.position(v),
+                              mesh.position(mesh.tip(h)) - mesh.position(v));
+    });
+    best[v] = std::max(1, static_cast<int>(std::lround(angles / radians(60.0)))) +
+              (mesh.is_border_vertex(v) ? 1 : 0);
+  }
+  const auto excess = [&](int v, int change) {
+    const int e = valence[v] + change - best[v];
+    return e * e;
+  };
+  int flips = 0;
+  for (int h = 0; h < mesh.halfedge_capacity(); ++h) {
+    if (!mesh.is_representative(h) || mesh.is_marked(h) || mesh.is_border_edge(h)) continue;
+    const int u = mesh.from(h), v = mesh.to(h), w = mesh.tip(h), x = mesh.tip(mesh.opposite(h));
+    const int gain = excess(u, 0) + excess(v, 0) + excess(w, 0) + excess(x, 0) - excess(u, -1) -
+                     excess(v, -1) - excess(w, 1) - excess(x, 1);
+    if (gain <= 0 || valence[u] <= 3 || valence[v] <= 3) continue;
+    double before = 0, after = 0;
+    if (!flip_is_sound(h, turn, &before, &after) || after < std::min(before, least_angle)) continue;
+    mesh.flip(h);
+    --valence[u];
+    --valence[v];
+    ++valence[w];
+    ++valence[x];
+    ++flips;
+  }
+  return flips;
+}
+
+int RemeshState::flip_for_angles(double turn) {
+  int flips = 0;
+  for (int h = 0; h < mesh.halfedge_capacity(); ++h) {
+    if (!mesh.is_representative(h) || mesh.is_marked(h) || mesh.is_border_edge(h)) continue;
+    double before = 0, after = 0;
+    if (!flip_is_sound(h, turn, &before, &after) || !(after > before + 1e-9)) continue;
+    if (!mesh.is_border_vertex(mesh.from(h)) && mesh.valence(mesh.from(h)) <= 3) continue;
+    if (!mesh.is_border_vertex(mesh.to(h)) && mesh.valence(mesh.to(h)) <= 3) continue;
+    mesh.flip(h);
+    ++flips;
+  }
+  return flips;
+}
+
+}  // namespace batten

@@ -1,0 +1,427 @@
+#include "batten/remeshing/normal_fit.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <tuple>
+#include <vector>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+
+#include "batten/core/units.hpp"
+#include "batten/mesh/distance.hpp"
+#include "batten/remeshing/area_samples.hpp"
+
+namespace batten {
+
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+constexpr int kNone = HalfedgeMesh::kNone;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+/// Points whose normal differs from that of the nearest triangle by more than 60° lie on the other side of an
+/// edge; a triangle may not turn by more in one move.
+constexpr double kSameSide = 0.5;
+/// By which the logarithm of the shape weight falls per radian of mean angle in excess: about halved at 2°.
+constexpr double kGain = 20;
+/// Edges of the reference that turn by more than this are worth a vertex on them.
+constexpr double kCreaseAngle = radians(4.0);
+
+Vector3d cross(const Vector3d& u, const Vector3d& v) {
+  return {u.y() * v.z() - u.z() * v.y(), u.z() * v.x() - u.x() * v.z(), u.x() * v.y() - u.y() * v.x()};
+}
+
+/// The sine of the smallest angle, which lies between the two longest sides.
+double sine_of_smallest_angle(double doubled_area, double uu, double vv, double ww) {
+  const double longest_two = uu <= vv && uu <= ww ? vv * ww : (vv <= ww ? uu * ww : uu * vv);
+  return doubled_area / std::sqrt(longest_two);
+}
+
+/// Per corner k of every triangle: 1 where the edge to the next corner turns by more than `angle` radians.
+std::vector<std::array<char, 3>> creases(const Points& X, const Triangles& T, double angle) {
+  struct Side {
+    int low, high, triangle, corner;
+    bool operator<(const Side& other) const {
+      return std::tie(low, high, triangle) < std::tie(other.low, other.high, other.triangle);
+    }
+  };
+  std::vector<Side> sides;
+  sides.reserve(3 * T.rows());
+  std::vector<Vector3d> normals(T.rows());
+  for (Eigen::Index f = 0; f < T.rows(); ++f) {
+    normals[f] = cross(X.row(T(f, 1)) - X.row(T(f, 0)), X.row(T(f, 2)) - X.row(T(f, 0))).normalized();
+    for (int k = 0; k < 3; ++k) {
+      const auto [low, high] = std::minmax(T(f, k), T(f, (k + 1) % 3));
+      sides.push_back({low, high, static_cast<int>(f), k});
+    }
+  }
+  std::sort(sides.begin(), sides.end());
+  std::vector<std::array<char, 3>> result(T.rows(), {0, 0, 0});
+  const double cosine = std::cos(angle);
+  for (std::size_t i = 0; i + 1 < sides.size(); ++i) {
+    const Side &a = sides[i], &b = sides[i + 1];
+    if (a.low == b.low && a.high == b.high && normals[a.triangle].dot(normals[b.triangle]) < cosine)
+      result[a.triangle][a.corner] = result[b.triangle][b.corner] = 1;
+  }
+  return result;
+}
+
+class NormalFit {
+ public:
+  NormalFit(RemeshState& state, const FeatureChains& features, const Points& X, const Triangles& T,
+            const NormalFitOptions& options)
+      : state_(state), mesh_(state.mesh), features_(features), X_(X), T_(T), options_(options) {
+    const HalfedgeMesh::Compact compact = mesh_.compacted();
+    double area = 0;
+    for (const int f : compact.faces) area += 0.5 * mesh_.area_normal(f).norm();
+    // Four points and more on a triangle of the result.
+    samples_ = area_samples(
+        X, T, area / (4.0 * static_cast<double>(std::max<std::size_t>(1, compact.faces.size()))));
+    Points points(static_cast<Eigen::Index>(samples_.size()), 3);
+    for (std::size_t s = 0; s < samples_.size(); ++s)
+      points.row(static_cast<Eigen::Index>(s)) = samples_[s].point;
+    const std::vector<ClosestPoint> closest =
+        TriangleTree(compact.positions, compact.triangles).closest(points);
+    of_face_.resize(mesh_.face_capacity());
+    creases_ = creases(X, T, kCreaseAngle);
+    for (std::size_t s = 0; s < samples_.size(); ++s) {
+      const int f = compact.faces[closest[s].element];
+      const Vector3d n = mesh_.area_normal(f);
+      if (n.dot(samples_[s].normal) > kSameSide * n.norm()) of_face_[f].push_back(static_cast<int>(s));
+    }
+  }
+
+  int run(const Progress& progress) {
+    std::vector<char> changed(mesh_.vertex_capacity(), 1);
+    shape_ = options_.shape;
+    int total = 0;
+    for (int round = 0; round < options_.rounds; ++round) {
+      progress.report("fitting normals", static_cast<double>(round) / options_.rounds);
+      next_.assign(mesh_.vertex_capacity(), 0);
+      int count = 0;
+      for (int h = 0; h < mesh_.halfedge_capacity(); ++h) {
+        if (!mesh_.is_representative(h) || mesh_.is_border_edge(h) || mesh_.is_marked(h)) continue;
+        if (changed[mesh_.from(h)] == 0 && changed[mesh_.to(h)] == 0) continue;
+        count += try_flip(h) ? 1 : 0;
+      }
+      for (int v = 0; v < mesh_.vertex_capacity(); ++v)
+        if (mesh_.has_vertex(v) && (changed[v] != 0 || next_[v] != 0)) count += try_moves(v) ? 1 : 0;
+      total += count;
+      const double excess = mean_smallest_angle() - options_.mean_angle;
+      // The weight of the shape follows the angles: as low as they allow. All is looked at again where it
+      // changed much.
+      const double factor = std::clamp(std::exp(-kGain * excess), 0.4, 2.5);
+      shape_ = std::min(shape_ * factor, options_.shape);
+      changed.swap(next_);
+      if (std::abs(factor - 1) > 0.25)
+        std::fill(changed.begin(), changed.end(), 1);
+      else if (count == 0)
+        break;
+    }
+    return total;
+  }
+
+ private:
+  /// A triangle around the vertex: its two other corners and the sector between feature edges that it is in.
+  struct Spoke {
+    Vector3d b, c, normal;
+    int face, sector;
+  };
+
+  double point_cost(const AreaSample& s, const Vector3d& normal, const Vector3d& on_plane,
+                    double length) const {
+    return s.area * ((s.normal - normal).norm() +
+                     options_.distance * std::abs(normal.dot(s.point - on_plane)) / length);
+  }
+  double shape_cost(double sine, double length) const {
+    return shape_ * 0.433 * length * length * (kPi / 3 - std::asin(std::min(1.0, sine)));
+  }
+
+  double mean_smallest_angle() const {
+    double sum = 0;
+    for (int f = 0; f < mesh_.face_capacity(); ++f) {
+      if (!mesh_.has_face(f)) continue;
+      const Vector3d &a = mesh_.position(mesh_.from(3 * f)), &b = mesh_.position(mesh_.from(3 * f + 1)),
+                     &c = mesh_.position(mesh_.from(3 * f + 2));
+      const double sine = sine_of_smallest_angle(mesh_.area_normal(f).norm(), (b - a).squaredNorm(),
+                                                 (c - b).squaredNorm(), (a - c).squaredNorm());
+      if (sine > 0) sum += std::asin(std::min(1.0, sine));
+    }
+    return sum / std::max(1, mesh_.n_faces());
+  }
+
+  void gather(int v) {
+    spokes_.clear();
+    ring_samples_.clear();
+    mesh_.for_each_outgoing(v, [&](int h) {
+      Spoke spoke;
+      spoke.b = mesh_.position(mesh_.to(h));
+      spoke.c = mesh_.position(mesh_.tip(h));
+      spoke.face = HalfedgeMesh::face(h);
+      spoke.normal = mesh_.area_normal(spoke.face);
+      const double length = spoke.normal.norm();
+      if (length > 0) spoke.normal /= length;
+      spoke.sector = spokes_.empty() ? 0 : spokes_.back().sector + (mesh_.is_marked(h) ? 1 : 0);
+      spokes_.push_back(spoke);
+    });
+    // The last sector goes on in the first unless a feature edge parts them.
+    if (!mesh_.is_border_vertex(v) && !mesh_.is_marked(mesh_.outgoing(v))) {
+      const int last = spokes_.back().sector;
+      for (Spoke& spoke : spokes_)
+        if (spoke.sector == last) spoke.sector = 0;
+    }
+    for (std::size_t k = 0; k < spokes_.size(); ++k)
+      for (const int s : of_face_[spokes_[k].face]) ring_samples_.push_back({s, spokes_[k].sector});
+  }
+
+  /// The sum over the triangles around v with v at x; infinite where a triangle would be bad.
+  /// @param least_sine of the smallest angles. @param bound above it the sum is of no interest: infinite is
+  /// returned. @param places receives the spoke of every sample, or is null.
+  double ring_cost(const Vector3d& x, double length, double least_sine, double bound,
+                   std::vector<int>* places) {
+    const std::size_t m = spokes_.size();
+    normals_.resize(m);
+    double cost = 0;
+    for (std::size_t k = 0; k < m; ++k) {
+      const Spoke& spoke = spokes_[k];
+      const Vector3d u = spoke.b - x, w = spoke.c - x;
+      const Vector3d n = cross(u, w);
+      const double doubled = n.norm();
+      if (!(doubled > 0)) return kInfinity;
+      normals_[k] = n / doubled;
+      if (!(normals_[k].dot(spoke.normal) > kSameSide)) return kInfinity;
+      const double sine = sine_of_smallest_angle(doubled, u.squaredNorm(), w.squaredNorm(),
+                                                 (spoke.c - spoke.b).squaredNorm());
+      if (sine < least_sine) return kInfinity;
+      cost += shape_cost(sine, length);
+    }
+    if (places != nullptr) places->clear();
+    for (const auto& [s, sector] : ring_samples_) {
+      if (cost > bound) return kInfinity;
+      const AreaSample& sample = samples_[s];
+      const Vector3d p = sample.point - x;
+      int best = 0;
+      double best_margin = -kInfinity;
+      for (std::size_t k = 0; k < m && best_margin < 0; ++k) {
+        if (spokes_[k].sector != sector) continue;
+        const Vector3d across = cross(normals_[k], p);
+        // p lies between the rays to b and c: n · (b × p) and n · (p × c) are both positive.
+        const double beyond_b = -across.dot(spokes_[k].b - x), before_c = across.dot(spokes_[k].c - x);
+        const double inside = std::min(beyond_b, before_c);
+        if (inside > best_margin) {
+          best_margin = inside;
+          best = static_cast<int>(k);
+        }
+      }
+      cost += point_cost(sample, normals_[best], x, length);
+      if (places != nullptr) places->push_back(best);
+    }
+    return cost;
+  }
+
+  double least_sine_of_ring(int v) const {
+    double least = 1;
+    const Vector3d& x = mesh_.position(v);
+    for (const Spoke& spoke : spokes_) {
+      const Vector3d u = spoke.b - x, w = spoke.c - x;
+      least = std::min(least, sine_of_smallest_angle(cross(u, w).norm(), u.squaredNorm(), w.squaredNorm(),
+                                                     (spoke.c - spoke.b).squaredNorm()));
+    }
+    return least;
+  }
+
+  bool try_moves(int v) {
+    if (state_.corner[v] != kNone) return false;
+    gather(v);
+    const double length = state_.size[v];
+    const Vector3d x = mesh_.position(v);
+    const double least = std::min(least_sine_of_ring(v) - 1e-12, std::sin(options_.least_angle));
+    const double before = ring_cost(x, length, least, kInfinity, nullptr);
+    if (!(before < kInfinity)) return false;
+    double best = before * (1 - 1e-6) - 1e-12 * length * length;
+    Vector3d best_place = x;
+    double best_arc = 0;
+    const auto consider = [&](const Vector3d& candidate, double arc) {
+      const double cost = ring_cost(candidate, length, least, best, nullptr);
+      if (cost < best) {
+        best = cost;
+        best_place = candidate;
+        best_arc = arc;
+      }
+    };
+    if (state_.chain[v] != kNone) {
+      const FeatureChain& chain = features_.chains[state_.chain[v]];
+      const auto after = std::lower_bound(chain.lengths.begin(), chain.lengths.end(), state_.place[v]);
+      const auto i = after - chain.lengths.begin();
+      for (auto k = i - 1; k <= i; ++k)
+        if (k > 0 && k + 1 < static_cast<std::ptrdiff_t>(chain.lengths.size()) &&
+            std::abs(chain.lengths[k] - state_.place[v]) < 0.5 * length)
+          consider(chain.points[k], chain.lengths[k]);
+    } else {
+      try_free_places(x, length, consider);
+    }
+    if (best_place == x) return false;
+    ring_cost(best_place, length, least, kInfinity, &places_);
+    mesh_.set_position(v, best_place);
+    if (state_.chain[v] != kNone) state_.place[v] = best_arc;
+    for (const Spoke& spoke : spokes_) of_face_[spoke.face].clear();
+    for (std::size_t i = 0; i < ring_samples_.size(); ++i)
+      of_face_[spokes_[places_[i]].face].push_back(ring_samples_[i].sample);
+    next_[v] = 1;
+    mesh_.for_each_neighbour(v, [&](int u) { next_[u] = 1; });
+    return true;
+  }
+
+  template <typename Consider>
+  void try_free_places(const Vector3d& x, double length, Consider&& consider) {
+    // Vertices of the reference around.
+    near_.clear();
+    feet_.clear();
+    Matrix3d A = Matrix3d::Zero();
+    Vector3d right = Vector3d::Zero();
+    double area = 0;
+    for (const auto& entry : ring_samples_) {
+      const AreaSample& sample = samples_[entry.sample];
+      A += sample.area * sample.normal * sample.normal.transpose();
+      right += sample.area * sample.normal.dot(sample.point - x) * sample.normal;
+      area += sample.area;
+      for (int k = 0; k < 3; ++k) {
+        const int corner = T_(sample.triangle, k);
+        const double squared = (Vector3d(X_.row(corner)) - x).squaredNorm();
+        if (squared > 0 && squared < 0.36 * length * length) near_.push_back({squared, corner});
+        if (creases_[sample.triangle][k] == 0) continue;
+        const Vector3d a = X_.row(corner), b = X_.row(T_(sample.triangle, (k + 1) % 3));
+        const double along = (x - a).dot(b - a) / (b - a).squaredNorm();
+        if (!(along > 0 && along < 1)) continue;
+        const Vector3d foot = a + along * (b - a);
+        const double apart = (foot - x).squaredNorm();
+        if (apart > 0 && apart < 0.36 * length * length) feet_.push_back({apart, foot});
+      }
+    }
+    // An edge is seen from both of its triangles, and from every sample.
+    std::sort(feet_.begin(), feet_.end(), [](const Foot& a, const Foot& b) { return a.squared < b.squared; });
+    double last = -1;
+    for (std::size_t i = 0, tried = 0; i < feet_.size() && tried < 2; ++i) {
+      if (feet_[i].squared <= last * (1 + 1e-9)) continue;
+      last = feet_[i].squared;
+      consider(feet_[i].point, 0);
+      ++tried;
+    }
+    std::sort(near_.begin(), near_.end());
+    near_.erase(std::unique(near_.begin(), near_.end()), near_.end());
+    for (std::size_t i = 0; i < std::min<std::size_t>(3, near_.size()); ++i)
+      consider(X_.row(near_[i].second), 0);
+    // Where the planes meet: the weak pull to x decides along directions that they leave open.
+    A.diagonal().array() += 1e-3 * area;
+    consider(x + A.ldlt().solve(right), 0);
+    Vector3d middle = Vector3d::Zero(), normal = Vector3d::Zero();
+    for (const Spoke& spoke : spokes_) {
+      middle += spoke.b;
+      normal += spoke.normal;
+    }
+    middle = middle / static_cast<double>(spokes_.size()) - x;
+    if (normal.norm() > 0) {
+      normal.normalize();
+      middle -= normal.dot(middle) * normal;
+      consider(x + 0.5 * middle, 0);
+    }
+  }
+
+  bool try_flip(int h) {
+    const int o = mesh_.opposite(h);
+    const int u = mesh_.from(h), v = mesh_.to(h), w = mesh_.tip(h), z = mesh_.tip(o);
+    if (!mesh_.can_flip(h)) return false;
+    if ((!mesh_.is_border_vertex(u) && mesh_.valence(u) <= 3) ||
+        (!mesh_.is_border_vertex(v) && mesh_.valence(v) <= 3))
+      return false;
+    const int f = HalfedgeMesh::face(h), g = HalfedgeMesh::face(o);
+    const Vector3d &pu = mesh_.position(u), &pv = mesh_.position(v), &pw = mesh_.position(w),
+                   &pz = mesh_.position(z);
+    // Before: u v w and v u z. After: u z w and z v w.
+    const std::array<std::array<Vector3d, 3>, 4> corners = {
+        {{pu, pv, pw}, {pv, pu, pz}, {pu, pz, pw}, {pz, pv, pw}}};
+    std::array<Vector3d, 4> normals;
+    std::array<double, 4> sines{};
+    for (int k = 0; k < 4; ++k) {
+      const Vector3d a = corners[k][1] - corners[k][0], b = corners[k][2] - corners[k][0];
+      normals[k] = cross(a, b);
+      const double doubled = normals[k].norm();
+      if (!(doubled > 0)) return false;
+      normals[k] /= doubled;
+      sines[k] = sine_of_smallest_angle(doubled, a.squaredNorm(), b.squaredNorm(), (b - a).squaredNorm());
+    }
+    const Vector3d mean = (normals[0] + normals[1]).normalized();
+    if (!(mean.dot(normals[2]) > kSameSide && mean.dot(normals[3]) > kSameSide)) return false;
+    const double least = std::min({sines[0], sines[1], std::sin(options_.least_angle)});
+    if (sines[2] < least || sines[3] < least) return false;
+    const double length = 0.25 * (state_.size[u] + state_.size[v] + state_.size[w] + state_.size[z]);
+    double before = shape_cost(sines[0], length) + shape_cost(sines[1], length);
+    double after = shape_cost(sines[2], length) + shape_cost(sines[3], length);
+    int valences = 0;
+    for (const auto& [vertex, change] : {std::pair{u, -1}, {v, -1}, {w, 1}, {z, 1}})
+      if (state_.is_free(vertex)) {
+        const int excess = mesh_.valence(vertex) - 6;
+        valences += (excess + change) * (excess + change) - excess * excess;
+      }
+    after += options_.valence * 0.433 * length * length * valences;
+    for (const int s : of_face_[f]) before += point_cost(samples_[s], normals[0], pu, length);
+    for (const int s : of_face_[g]) before += point_cost(samples_[s], normals[1], pu, length);
+    first_.clear();
+    second_.clear();
+    const Vector3d across = cross(mean, pw - pz);  // points to u
+    for (const int face : {f, g})
+      for (const int s : of_face_[face]) {
+        const bool at_u = across.dot(samples_[s].point - pz) > 0;
+        after += point_cost(samples_[s], normals[at_u ? 2 : 3], pz, length);
+        (at_u ? first_ : second_).push_back(s);
+      }
+    if (!(after < before * (1 - 1e-6) - 1e-12 * length * length)) return false;
+    mesh_.flip(h);
+    const int face_of_u = mesh_.tip(h) == u ? f : g;
+    of_face_[face_of_u].swap(first_);
+    of_face_[face_of_u == f ? g : f].swap(second_);
+    for (const int vertex : {u, v, w, z}) next_[vertex] = 1;
+    return true;
+  }
+
+  struct RingSample {
+    int sample, sector;
+  };
+  struct Foot {
+    double squared;
+    Vector3d point;
+  };
+
+  RemeshState& state_;
+  HalfedgeMesh& mesh_;
+  const FeatureChains& features_;
+  const Points& X_;
+  const Triangles& T_;
+  NormalFitOptions options_;
+  double shape_ = 0;  ///< the weight now
+  std::vector<AreaSample> samples_;
+  std::vector<std::vector<int>> of_face_;  ///< samples per face
+  std::vector<char> next_;                 ///< per vertex: to be looked at again
+  std::vector<Spoke> spokes_;
+  std::vector<RingSample> ring_samples_;
+  std::vector<Vector3d> normals_;
+  std::vector<int> places_, first_, second_;
+  std::vector<std::pair<double, int>> near_;
+  std::vector<Foot> feet_;
+  std::vector<std::array<char, 3>> creases_;
+};
+
+}  // namespace
+
+int fit_normals(RemeshState& state, const FeatureChains& features, const Points& reference_positions,
+                const Triangles& reference_triangles, const NormalFitOptions& options,
+                const Progress& progress) {
+  if (options.rounds == 0) return 0;
+  return NormalFit(state, features, reference_positions, reference_triangles, options).run(progress);
+}
+
+}  // namespace batten

@@ -1,0 +1,27 @@
+#pragma once
+#include <vector>
+
+#include "batten/core/arrays.hpp"
+
+namespace batten {
+
+/// What a fit minimises.
+struct SurfaceFitOptions {
+  /// Weight of the normals, in mean edge lengths squared: with 1 a slope of one part in a hundred over an
+  /// edge counts as much as a distance of a hundredth of it. At least 0.
+  double normals = 0.1;
+  /// No vertex moves by more than this many lengths of its shortest edge.
+  double most = 0.25;
+};
+
+/// Moves the vertices of a mesh along their normals to where its triangles fit another surface best:
+/// least squares of the distances of points spread over the reference to the mesh, and of the angles between
+/// the normals there. Vertices that lie on a curved surface leave all of it on one side; here the error is
+/// spread over both sides.
+/// @param fixed per vertex: 1 for those that stay.
+/// @return the new positions. One linear solve; call again to refine.
+Points fitted_to_surface(const Points& positions, const Triangles& triangles, const std::vector<char>& fixed,
+                         const Points& reference_positions, const Triangles& reference_triangles,
+                         const SurfaceFitOptions& options = {});
+
+}  // namespace batten

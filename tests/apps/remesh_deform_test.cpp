@@ -1,0 +1,121 @@
+#include "apps/run_batten.hpp"
+
+#include <sstream>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+namespace batten::test {
+namespace {
+
+using Json = nlohmann::json;
+
+/// A flat square of n × n squares over the unit square.
+std::string square(int n) {
+  std::ostringstream off;
+  off << "OFF\n" << (n + 1) * (n + 1) << ' ' << 2 * n * n << " 0\n";
+  for (int i = 0; i <= n; ++i)
+    for (int j = 0; j <= n; ++j) off << i / double(n) << ' ' << j / double(n) << " 0\n";
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j) {
+      const int a = i * (n + 1) + j, b = a + n + 1;
+      off << "3 " << a << ' ' << b << ' ' << b + 1 << "\n3 " << a << ' ' << b + 1 << ' ' << a + 1 << '\n';
+    }
+  return off.str();
+}
+
+Json run_json(const std::string& arguments) {
+  SCOPED_TRACE("batten " + arguments);
+  const Run run = run_batten(arguments);
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  const Json json = Json::parse(run.out, nullptr, false);
+  EXPECT_TRUE(json.is_object()) << run.out;
+  return json.is_object() ? json : Json::object();
+}
+
+const char* const kHandles =
+    R"({"fixed": {"box": [[-1, -1, -1], [0.15, 2, 1]]},
+        "handles": [{"select": {"box": [[0.85, -1, -1], [2, 2, 1]]}, "translate": [0, 0, 0.3],
+                     "rotate_deg": [0, 1, 0, 50], "about": [1, 0, 0]}]})";
+
+// The line of the issue with every option; the five measures of H, table 2.3, are there.
+TEST(Remesh, TakesEveryOption) {
+  write_file("square.off", square(12));
+  for (const char* method : {"ar", "lf"}) {
+    const Json json =
+        run_json(std::string("remesh square.off -o new.ply --edge 5% --adaptivity 0.5 --keep-edges "
+                             "40deg --iterations 4 --json --method ") +
+                 method);
+    for (const char* key :
+         {"vertices", "faces", "curvature_change", "edge_variance_change", "area_variance_change",
+          "curvature_variance_change", "mean_distance", "normal_error_deg"})
+      EXPECT_TRUE(json.contains(key)) << key;
+    // Flat before, flat after.
+    EXPECT_LT(json["normal_error_deg"].get<double>(), 1e-6);
+    EXPECT_LT(json["mean_distance"].get<double>(), 1e-12);
+    EXPECT_EQ(json["corners"], 4);
+  }
+  EXPECT_NEAR(run_json("remesh square.off -o new.obj --vertices 500 --json")["vertices"].get<double>(), 500,
+              40);
+}
+
+TEST(Remesh, TellsBadUsageAndBadInputApart) {
+  write_file("square.off", square(4));
+  for (const char* usage : {"--edge 0", "--edge 5% --vertices 100", "--adaptivity 2", "--keep-edges 0deg",
+                            "--keep-edges 200deg", "--method best", "--vertices 1"})
+    EXPECT_EQ(run_batten(std::string("remesh square.off -o bad.ply ") + usage).exit_code, 2) << usage;
+  EXPECT_EQ(run_batten("remesh square.off -o bad.xyz").exit_code, 3);
+  EXPECT_EQ(run_batten("remesh square.off -o bad.ply --sizes none").exit_code, 3);
+  EXPECT_EQ(run_batten("remesh square.off -o bad.ply --edge 1e-9").exit_code, 3);
+  write_file("turned.off", "OFF\n4 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n3 2 0 3\n3 0 2 3\n");
+  EXPECT_EQ(run_batten("remesh turned.off -o bad.ply").exit_code, 3);
+  EXPECT_FALSE(file_exists("bad.ply"));
+}
+
+// Two fans that touch in one vertex are taken apart, and that is told.
+TEST(Remesh, WarnsOfVerticesThatWereTakenApart) {
+  write_file("touch.off", "OFF\n5 2 0\n0 0 0\n1 0 0\n0 1 0\n-1 0 0\n0 -1 0\n3 0 1 2\n3 0 3 4\n");
+  const Json json = run_json("remesh touch.off -o apart.ply --json");
+  ASSERT_EQ(json["warnings"].size(), 1U);
+  EXPECT_NE(json["warnings"][0].get<std::string>().find("vertices added: 1"), std::string::npos);
+}
+
+TEST(Deform, TakesEveryOption) {
+  write_file("square.off", square(12));
+  write_file("handles.json", kHandles);
+  for (const char* energy : {"stretch", "bend", "combined", "total"})
+    for (const char* detail : {"none", "shape-matching", "gauss-newton"}) {
+      const Json json =
+          run_json(std::string("deform square.off -o bent.ply --handles handles.json --iterations 30 "
+                               "--json --energy ") +
+                   energy + " --nonlinear " + detail);
+      EXPECT_EQ(json["fixed"], 26);
+      EXPECT_EQ(json["moved"], 26);
+    }
+  run_json("deform square.off -o soft.ply --handles handles.json --soft 10 --json");
+  EXPECT_TRUE(run_json("deform square.off -o two.ply --handles handles.json --multiresolution --json")
+                  .contains("base_vertices"));
+}
+
+TEST(Deform, TellsBadUsageAndBadInputApart) {
+  write_file("square.off", square(4));
+  write_file("handles.json", kHandles);
+  write_file("nothing.json", R"({"handles": []})");
+  for (const char* usage : {"--energy most", "--nonlinear some", "--soft -1", "--iterations 0"})
+    EXPECT_EQ(
+        run_batten(std::string("deform square.off -o bad.ply --handles handles.json ") + usage).exit_code, 2)
+        << usage;
+  EXPECT_EQ(run_batten("deform square.off -o bad.ply").exit_code, 2);
+  EXPECT_EQ(run_batten("deform square.off -o bad.ply --handles nothing.json").exit_code, 3);
+  EXPECT_EQ(run_batten("deform square.off -o bad.ply --handles missing.json").exit_code, 3);
+  EXPECT_EQ(run_batten("deform square.off -o bad.xyz --handles handles.json").exit_code, 3);
+  EXPECT_FALSE(file_exists("bad.ply"));
+  // All vertices moved: nothing is left to solve for, and the answer is the motion itself.
+  write_file("all.json",
+             R"({"handles": [{"select": {"box": [[-9, -9, -9], [9, 9, 9]]}, "translate": [0, 0, 1]}]})");
+  EXPECT_EQ(run_json("deform square.off -o all.ply --handles all.json --json")["fixed"], 0);
+}
+
+}  // namespace
+}  // namespace batten::test

@@ -1,0 +1,352 @@
+#include "batten/remeshing/remesh.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <utility>
+
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
+#include "batten/core/error.hpp"
+#include "batten/core/random.hpp"
+#include "batten/io/mesh_io.hpp"
+#include "batten/mesh/distance.hpp"
+#include "batten/mesh/halfedge_mesh.hpp"
+#include "batten/remeshing/area_samples.hpp"
+#include "batten/remeshing/feature_chains.hpp"
+#include "batten/remeshing/measures.hpp"
+#include "batten/remeshing/regularization.hpp"
+
+namespace batten {
+namespace {
+
+using Eigen::Vector3d;
+
+/// The surface of the unit cube, every face a grid of n × n squares, welded.
+TriangleMesh cube(int n) {
+  std::map<std::array<int, 3>, int> numbers;
+  std::vector<Vector3d> points;
+  std::vector<std::array<int, 3>> faces;
+  const auto vertex = [&](std::array<int, 3> key) {
+    const auto [at, is_new] = numbers.emplace(key, static_cast<int>(points.size()));
+    if (is_new) points.emplace_back(key[0] / double(n), key[1] / double(n), key[2] / double(n));
+    return at->second;
+  };
+  for (int axis = 0; axis < 3; ++axis)
+    for (const int side : {0, n})
+      for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n; ++j) {
+          const auto corner = [&](int a, int b) {
+            std::array<int, 3> key{};
+            key[axis] = side;
+            key[(axis + 1) % 3] = a;
+            key[(axis + 2) % 3] = b;
+            return vertex(key);
+          };
+          const int p = corner(i, j), q = corner(i + 1, j), r = corner(i + 1, j + 1), s = corner(i, j + 1);
+          if (side == n) {
+            faces.push_back({p, q, r});
+            faces.push_back({p, r, s});
+          } else {
+            faces.push_back({p, r, q});
+            faces.push_back({p, s, r});
+          }
+        }
+  TriangleMesh mesh;
+  mesh.positions.resize(static_cast<Eigen::Index>(points.size()), 3);
+  for (std::size_t v = 0; v < points.size(); ++v)
+    mesh.positions.row(static_cast<Eigen::Index>(v)) = points[v];
+  mesh.triangles.resize(static_cast<Eigen::Index>(faces.size()), 3);
+  for (std::size_t f = 0; f < faces.size(); ++f)
+    mesh.triangles.row(static_cast<Eigen::Index>(f)) << faces[f][0], faces[f][1], faces[f][2];
+  return mesh;
+}
+
+struct Angles {
+  double mean = 0, least = 180;
+};
+/// Of the smallest angles of the triangles, degrees.
+Angles smallest_angles(const TriangleMesh& mesh) {
+  Angles angles;
+  for (Eigen::Index f = 0; f < mesh.n_triangles(); ++f) {
+    double least = 180;
+    for (int k = 0; k < 3; ++k) {
+      const Vector3d p = mesh.positions.row(mesh.triangles(f, k));
+      const Vector3d a = Vector3d(mesh.positions.row(mesh.triangles(f, (k + 1) % 3))) - p,
+                     b = Vector3d(mesh.positions.row(mesh.triangles(f, (k + 2) % 3))) - p;
+      least = std::min(least, degrees(std::atan2(a.cross(b).norm(), a.dot(b))));
+    }
+    angles.mean += least / static_cast<double>(mesh.n_triangles());
+    angles.least = std::min(angles.least, least);
+  }
+  return angles;
+}
+
+double volume(const TriangleMesh& mesh) {
+  double sum = 0;
+  for (Eigen::Index f = 0; f < mesh.n_triangles(); ++f) {
+    const Vector3d a = mesh.positions.row(mesh.triangles(f, 0)), b = mesh.positions.row(mesh.triangles(f, 1)),
+                   c = mesh.positions.row(mesh.triangles(f, 2));
+    sum += a.dot(b.cross(c)) / 6;
+  }
+  return sum;
+}
+
+// A cube is its twelve edges: when they are kept, every new triangle lies in a face, so volume and distances
+// are exact up to rounding. Both methods, even and adaptive.
+TEST(Remesh, KeepsTheCubeExactly) {
+  const TriangleMesh input = cube(8);
+  const TriangleTree tree(input.positions, input.triangles);
+  for (const RemeshMethod method : {RemeshMethod::Adaptive, RemeshMethod::LaplacianFlow})
+    for (const double adaptivity : {0.0, 1.0}) {
+      RemeshOptions options;
+      options.method = method;
+      options.adaptivity = adaptivity;
+      const RemeshResult result = remesh(input, options);
+      EXPECT_NEAR(volume(result.mesh), 1, 1e-9);
+      EXPECT_LT(distances(tree.closest(result.mesh.positions)).maxCoeff(), 1e-9);
+      EXPECT_EQ(result.report.corners, 8);
+      const HalfedgeMesh mesh(result.mesh.positions, result.mesh.triangles);
+      EXPECT_EQ(mesh.breach(), "");
+      EXPECT_EQ(result.mesh.n_vertices() - result.mesh.n_triangles() / 2, 2);  // Euler, closed
+      EXPECT_GE(smallest_angles(result.mesh).mean, 45);
+    }
+}
+
+// A mesh of N vertices is asked for by number and by the edge of the equilateral triangles it would have.
+TEST(Remesh, MeetsTheNumberOfVertices) {
+  const TriangleMesh input = cube(10);
+  for (const int n : {300, 1000, 3000}) {
+    RemeshOptions by_number, by_edge;
+    by_number.n_vertices = n;
+    by_edge.edge_length = std::sqrt(2 * 6.0 / (std::sqrt(3.0) * n));
+    for (const RemeshOptions& options : {by_number, by_edge})
+      EXPECT_NEAR(static_cast<double>(remesh(input, options).mesh.n_vertices()), n, 0.06 * n);
+  }
+}
+
+// The unit must not matter, nor where the shape lies.
+TEST(Remesh, ScalesWithTheUnit) {
+  const TriangleMesh input = cube(6);
+  const RemeshResult expected = remesh(input);
+  for (const double scale : {1.0 / 1024, 1024.0}) {  // powers of two: the same roundings
+    TriangleMesh scaled = input;
+    scaled.positions *= scale;
+    const RemeshResult result = remesh(scaled);
+    ASSERT_EQ(result.mesh.n_vertices(), expected.mesh.n_vertices());
+    EXPECT_LT((result.mesh.positions / scale - expected.mesh.positions).cwiseAbs().maxCoeff(), 1e-3);
+  }
+}
+
+// A square with a border: the border stays, so the area does, and no vertex leaves the plane.
+TEST(Remesh, KeepsTheBorderOfASquare) {
+  TriangleMesh square;
+  const int n = 9;
+  square.positions.resize((n + 1) * (n + 1), 3);
+  square.triangles.resize(2 * n * n, 3);
+  for (int i = 0; i <= n; ++i)
+    for (int j = 0; j <= n; ++j) square.positions.row(i * (n + 1) + j) << i, j, 0;
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j) {
+      const int a = i * (n + 1) + j;
+      square.triangles.row(2 * (i * n + j)) << a, a + n + 1, a + n + 2;
+      square.triangles.row(2 * (i * n + j) + 1) << a, a + n + 2, a + 1;
+    }
+  RemeshOptions options;
+  options.edge_length = 0.8;
+  const RemeshResult result = remesh(square, options);
+  double area = 0;
+  const HalfedgeMesh mesh(result.mesh.positions, result.mesh.triangles);
+  for (int f = 0; f < mesh.face_capacity(); ++f) area += 0.5 * mesh.area_normal(f).z();
+  EXPECT_NEAR(area, n * n, 1e-9);
+  EXPECT_EQ(result.mesh.positions.col(2).cwiseAbs().maxCoeff(), 0);
+  EXPECT_EQ(result.report.corners, 4);
+}
+
+// Sizes given per vertex: edges near the fine side are shorter, in the wanted ratio.
+TEST(Remesh, FollowsTheSizesGiven) {
+  const TriangleMesh input = cube(16);
+  RemeshOptions options;
+  options.sizes = (0.05 + 0.1 * input.positions.col(0).array()).matrix();
+  const RemeshResult result = remesh(input, options);
+  double fine = 0, coarse = 0;
+  int n_fine = 0, n_coarse = 0;
+  for (Eigen::Index f = 0; f < result.mesh.n_triangles(); ++f)
+    for (int k = 0; k < 3; ++k) {
+      const Vector3d a = result.mesh.positions.row(result.mesh.triangles(f, k)),
+                     b = result.mesh.positions.row(result.mesh.triangles(f, (k + 1) % 3));
+      if (std::max(a.x(), b.x()) < 0.1) fine += (a - b).norm(), ++n_fine;
+      if (std::min(a.x(), b.x()) > 0.9) coarse += (a - b).norm(), ++n_coarse;
+    }
+  EXPECT_NEAR(fine / n_fine, 0.055, 0.012);
+  EXPECT_NEAR(coarse / n_coarse, 0.145, 0.03);
+}
+
+// The features of a cube: twelve chains between eight corners, of length 1; a closed circle gets two corners.
+TEST(FeatureChains, FindsTheEdgesOfACube) {
+  const TriangleMesh input = cube(5);
+  HalfedgeMesh mesh(input.positions, input.triangles);
+  FeatureOptions options;
+  options.crease_angle = radians(30.0);
+  options.corner_angle = radians(40.0);
+  const FeatureChains features = mark_features(mesh, options);
+  ASSERT_EQ(features.chains.size(), 12u);
+  for (const FeatureChain& chain : features.chains) {
+    EXPECT_EQ(chain.vertices.size(), 6u);
+    EXPECT_NEAR(chain.length(), 1, 1e-14);
+    EXPECT_LT((chain.at(0.3) - (0.7 * chain.points.front() + 0.3 * chain.points.back())).norm(), 1e-14);
+  }
+  EXPECT_EQ(std::count(features.is_corner.begin(), features.is_corner.end(), 1), 8);
+}
+
+// Diffusion moves area, it makes none; with one curvature everywhere it evens areas out.
+TEST(RegularizedAreas, KeepTheTotalAndBecomeMoreEven) {
+  const TriangleMesh input = cube(6);
+  const SparseMatrix K = clamped_stiffness(input.positions, input.triangles);
+  Random random(9);
+  Eigen::VectorXd areas(input.n_vertices());
+  for (Eigen::Index v = 0; v < areas.size(); ++v) areas[v] = 1 + random.uniform();
+  const Eigen::VectorXd ones = Eigen::VectorXd::Ones(areas.size());
+  const Eigen::VectorXd even = regularized_areas(K, areas, Eigen::VectorXd::Zero(areas.size()), ones);
+  EXPECT_NEAR(even.sum(), areas.sum(), 1e-9);
+  const auto variance = [](const Eigen::VectorXd& a) { return (a.array() - a.mean()).square().mean(); };
+  EXPECT_LT(variance(even), 0.5 * variance(areas));
+  // Where curvature differs wildly from vertex to vertex, the weights stop nearly all of it (2.30).
+  Eigen::VectorXd H(areas.size());
+  for (Eigen::Index v = 0; v < H.size(); ++v) H[v] = random.uniform();
+  EXPECT_GT(variance(regularized_areas(K, areas, H, ones, 1e-6)), 0.5 * variance(areas));
+}
+
+TEST(Remesh, RefusesBadInputAndOptions) {
+  const TriangleMesh input = cube(3);
+  EXPECT_THROW(remesh(TriangleMesh{}), InvalidInput);
+  RemeshOptions options;
+  options.adaptivity = 2;
+  EXPECT_THROW(remesh(input, options), InvalidInput);
+  options = {};
+  options.edge_length = 0.1;
+  options.n_vertices = 100;
+  EXPECT_THROW(remesh(input, options), InvalidInput);
+  options = {};
+  options.sizes = Eigen::VectorXd::Ones(3);
+  EXPECT_THROW(remesh(input, options), InvalidInput);
+  options.sizes = Eigen::VectorXd::Zero(input.n_vertices());
+  EXPECT_THROW(remesh(input, options), InvalidInput);
+  TriangleMesh turned = input;
+  std::swap(turned.triangles(0, 0), turned.triangles(0, 1));
+  EXPECT_THROW(remesh(turned), InvalidInput);
+  const Progress stop([](std::string_view, double) { return false; });
+  EXPECT_THROW(remesh(input, {}, stop), Cancelled);
+}
+
+/// Share of the inner vertices with six edges.
+double share_of_six(const TriangleMesh& result) {
+  const HalfedgeMesh mesh(result.positions, result.triangles);
+  int six = 0, all = 0;
+  for (int v = 0; v < mesh.vertex_capacity(); ++v)
+    if (mesh.has_vertex(v) && !mesh.is_border_vertex(v)) {
+      ++all;
+      six += mesh.valence(v) == 6 ? 1 : 0;
+    }
+  return static_cast<double>(six) / all;
+}
+
+// The acceptance on fandisk at the mean edge length of the input. Bounds of vertices, distance and normals
+// are what MeshLab's isotropic remeshing reaches on the same input (distances over the diameter).
+TEST(Remesh, BeatsIsotropicRemeshingOnFandisk) {
+  const std::string path = BATTEN_SHARED_DATA "/meshes/fandisk.obj";
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is missing";
+  const TriangleMesh input = read_mesh(path);
+  const RemeshResult result = remesh(input);
+  const Angles angles = smallest_angles(result.mesh);
+  EXPECT_GE(angles.mean, 49);
+  EXPECT_GE(share_of_six(result.mesh), 0.80);
+  EXPECT_LE(result.mesh.n_vertices(), 6060);
+  const RemeshMeasures measures = remesh_measures(input, result.mesh);
+  EXPECT_LE(degrees(measures.normal_error), 0.29);
+  EXPECT_LE(degrees(remesh_measures(result.mesh, input).normal_error), 0.29);
+  const double diameter = bounding_box_diagonal(input.positions);
+  const TriangleTree before(input.positions, input.triangles),
+      after(result.mesh.positions, result.mesh.triangles);
+  const auto rms = [&](const TriangleMesh& from, const TriangleTree& to) {
+    double squares = 0, area = 0;
+    for (const AreaSample& sample :
+         area_samples(from.positions, from.triangles, 1e-5 * diameter * diameter)) {
+      squares += sample.area * to.closest(sample.point).squared_distance;
+      area += sample.area;
+    }
+    return std::sqrt(squares / area) / diameter;
+  };
+  EXPECT_LE(rms(input, after), 6.7e-5);
+  EXPECT_LE(rms(result.mesh, before), 6.7e-5);
+  // H, table 2.3: ahead of the Laplacian flow in what the flow disturbs, curvature and distance.
+  RemeshOptions options;
+  options.method = RemeshMethod::LaplacianFlow;
+  const RemeshMeasures flow = remesh_measures(input, remesh(input, options).mesh);
+  EXPECT_LT(measures.curvature_change, flow.curvature_change);
+  EXPECT_LT(measures.mean_distance, flow.mean_distance);
+  EXPECT_LT(measures.edge_variance_change, flow.edge_variance_change);
+}
+
+// No face is thin unless kept edges force it: all three corners of such a face lie on them.
+TEST(Remesh, HasThinFacesOnlyBetweenKeptEdges) {
+  const std::string path = BATTEN_SHARED_DATA "/meshes/fandisk.obj";
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is missing";
+  const RemeshResult result = remesh(read_mesh(path));
+  HalfedgeMesh mesh(result.mesh.positions, result.mesh.triangles);
+  FeatureOptions options;
+  options.crease_angle = radians(30.0);
+  options.corner_angle = radians(40.0);
+  options.fade = 0.5;
+  mark_features(mesh, options);
+  std::vector<char> kept(mesh.vertex_capacity(), 0);
+  for (int h = 0; h < mesh.halfedge_capacity(); ++h)
+    if (mesh.is_representative(h) && mesh.is_marked(h)) kept[mesh.from(h)] = kept[mesh.to(h)] = 1;
+  for (Eigen::Index f = 0; f < result.mesh.n_triangles(); ++f) {
+    TriangleMesh face;
+    face.positions = result.mesh.positions;
+    face.triangles = result.mesh.triangles.row(f);
+    if (smallest_angles(face).least >= 20) continue;
+    for (int k = 0; k < 3; ++k) EXPECT_TRUE(kept[result.mesh.triangles(f, k)]) << f;
+  }
+}
+
+// A crease of a strip that fades from 60° to nothing: it is kept while it is above 30° and then followed to
+// half of that, where an even bend beside it would be as sharp.
+TEST(FeatureChains, FollowsACreaseThatFades) {
+  const int n = 24;
+  TriangleMesh strip;
+  strip.positions.resize(3 * (n + 1), 3);
+  strip.triangles.resize(4 * n, 3);
+  for (int i = 0; i <= n; ++i) {
+    const double half = radians(60.0) / 2 * (1 - i / double(n));
+    for (int j = 0; j < 3; ++j)
+      strip.positions.row(3 * i + j) << 0.2 * i, (j - 1) * std::cos(half), std::abs(j - 1) * std::sin(half);
+    if (i == n) continue;
+    for (int j = 0; j < 2; ++j) {
+      const int a = 3 * i + j;
+      strip.triangles.row(4 * i + 2 * j) << a, a + 3, a + 4;
+      strip.triangles.row(4 * i + 2 * j + 1) << a, a + 4, a + 1;
+    }
+  }
+  const auto crease_edges = [&](double fade) {
+    HalfedgeMesh mesh(strip.positions, strip.triangles);
+    FeatureOptions options;
+    options.crease_angle = radians(30.0);
+    options.corner_angle = radians(40.0);
+    options.fade = fade;
+    mark_features(mesh, options);
+    int count = 0;
+    for (int h = 0; h < mesh.halfedge_capacity(); ++h)
+      count += mesh.is_representative(h) && mesh.is_marked(h) && !mesh.is_border_edge(h) ? 1 : 0;
+    return count;
+  };
+  EXPECT_NEAR(crease_edges(1), n / 2, 1);
+  EXPECT_NEAR(crease_edges(0.5), 3 * n / 4, 1);
+}
+
+}  // namespace
+}  // namespace batten
