@@ -1,4 +1,5 @@
 #include "command.hpp"
+#include "model_file.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -45,7 +46,7 @@ Outcome run_deform(const DeformArguments& arguments, Context& context) {
   Handles handles;
   {
     const ScopedStage stage(outcome.times, "read");
-    mesh = read_mesh(arguments.in, &outcome.warnings);
+    mesh = read_mesh_to_process(arguments.in, outcome.warnings);
     handles = read_handles(arguments.handles, mesh.positions);
   }
   const DeformOptions options = options_of(arguments);

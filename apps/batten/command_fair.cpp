@@ -1,4 +1,5 @@
 #include "command.hpp"
+#include "model_file.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -49,7 +50,7 @@ Outcome run_fair(const FairArguments& arguments, Context& context) {
   TriangleMesh mesh;
   {
     const ScopedStage stage(outcome.times, "read");
-    mesh = read_mesh(arguments.input, &outcome.warnings);
+    mesh = read_mesh_to_process(arguments.input, outcome.warnings);
     mesh_format(arguments.output);  // an extension that cannot be written is refused before the work
   }
   FairingOptions options;

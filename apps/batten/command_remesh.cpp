@@ -1,4 +1,5 @@
 #include "command.hpp"
+#include "model_file.hpp"
 
 #include <memory>
 #include <string>
@@ -28,7 +29,7 @@ Outcome run_remesh(const RemeshArguments& arguments, Context& context) {
   TriangleMesh mesh;
   {
     const ScopedStage stage(outcome.times, "read");
-    mesh = read_mesh(arguments.in, &outcome.warnings);
+    mesh = read_mesh_to_process(arguments.in, outcome.warnings);
   }
   RemeshOptions options;
   options.method = arguments.method == "lf" ? RemeshMethod::LaplacianFlow : RemeshMethod::Adaptive;

@@ -1,4 +1,5 @@
 #include "command.hpp"
+#include "model_file.hpp"
 
 #include <algorithm>
 #include <filesystem>
@@ -111,7 +112,7 @@ Outcome run_simplify(const SimplifyArguments& arguments, Context& context) {
   TriangleMesh mesh;
   {
     const ScopedStage stage(outcome.times, "read");
-    mesh = read_mesh(arguments.input, &outcome.warnings);
+    mesh = read_mesh_to_process(arguments.input, outcome.warnings);
   }
   const double diameter = bounding_box_diagonal(mesh.positions);
   SimplifyOptions options;

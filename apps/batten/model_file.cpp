@@ -8,10 +8,14 @@
 #include "batten/io/file.hpp"
 #include "batten/io/mesh_io.hpp"
 #include "batten/io/network_io.hpp"
+#include "batten/mesh/areas.hpp"
 
 namespace batten::cli {
 
 namespace {
+
+// Sixth powers of lengths occur (squared volumes): they must stay numbers.
+constexpr double kSmallestSize = 1e-45, kLargestSize = 1e45;
 
 /// True when a line of the text starts with an `f` and a blank: an OBJ with faces.
 bool has_faces(std::string_view text) {
@@ -48,6 +52,20 @@ Model read_model(const std::string& path, std::vector<std::string>& warnings) {
   }
   for (const std::string& warning : told) warnings.push_back(concat(path, ": ", warning));
   return model;
+}
+
+TriangleMesh read_mesh_to_process(const std::string& path, std::vector<std::string>& warnings) {
+  TriangleMesh mesh = read_mesh(path, &warnings);
+  if (mesh.n_triangles() == 0)
+    throw InvalidInput(concat(path, ": there are no faces, so nothing to process"));
+  const double size = (mesh.positions.colwise().maxCoeff() - mesh.positions.colwise().minCoeff()).maxCoeff();
+  if (size > 0 && !(size > kSmallestSize && size < kLargestSize))
+    throw InvalidInput(concat(path, ": the mesh is ", size,
+                              " large, where squares and volumes are out of the range of numbers; "
+                              "give it in another unit"));
+  if (!(face_areas(mesh.positions, mesh.triangles).maxCoeff() > 0))
+    throw InvalidInput(concat(path, ": no face has an area; check the positions"));
+  return mesh;
 }
 
 Shape shape_of(const TriangleMesh& mesh) {

@@ -165,7 +165,11 @@ TEST(BadInput, EveryCommandRefusesEmptyFilesFoldersGarbageAndNothing) {
       {"convert", {"ply", "stl", "net"}},
       {"compare", {"ply", "off", "net"}},
       {"fair", {"ply", "off", "stl", "obj"}},
+      {"remesh", {"ply", "off", "stl", "obj"}},
+      {"simplify --faces 10", {"ply", "off", "stl", "obj"}},
+      {"deform --handles handles.json", {"ply", "off", "stl", "obj"}},
       {"simulate", {"ply", "off", "stl", "obj"}}};
+  write_file("handles.json", "{\"fixed\": {\"vertices\": [0]}, \"handles\": []}");
   const auto line_for = [](const std::string& command, const std::string& input) {
     if (command == "info") return "info " + input;
     if (command == "convert") return "convert " + input + " out.json";
@@ -184,6 +188,32 @@ TEST(BadInput, EveryCommandRefusesEmptyFilesFoldersGarbageAndNothing) {
       for (const char* stem : {"empty.", "garbage.", "folder.", "missing."})
         expect_refused(line_for(command, stem + extension), {stem + extension});
     }
+  }
+}
+
+TEST(BadInput, SpoiltMeshesAreRefusedWithTheirPlace) {
+  const std::string square = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n";
+  struct Spoilt {
+    std::string off;
+    std::vector<std::string> words;
+  };
+  const std::vector<Spoilt> meshes{
+      {"OFF\n4 0 0\n" + square, {"bad.off", "no faces"}},
+      {"OFF\n4 1 0\n0 0 0\n0 0 0\n0 0 0\n0 0 0\n3 0 1 2\n", {"bad.off", "no face has an area"}},
+      {"OFF\n3 1 0\n0 0 0\n1 0 0\n2 0 0\n3 0 1 2\n", {"bad.off", "no face has an area"}},
+      {"OFF\n3 1 0\n0 0 0\n1e200 0 0\n0 1e200 0\n3 0 1 2\n", {"bad.off", "another unit"}},
+      {"OFF\n3 1 0\n0 0 0\n1e-200 0 0\n0 1e-200 0\n3 0 1 2\n", {"bad.off", "another unit"}},
+      {"OFF\n3 1 0\n0 0 0\n1 nan 0\n0 1 0\n3 0 1 2\n", {"bad.off:4", "nan"}},
+      {"OFF\n4 2 0\n" + square + "3 0 1 2\n3 0 2 9\n", {"bad.off:8", "9"}},
+      {"OFF\n4 2 0\n" + square + "3 0 1 2\n", {"bad.off", "face"}},
+      // The second face is turned inside out; three faces at the edge 0-1.
+      {"OFF\n4 2 0\n" + square + "3 0 1 2\n3 0 3 2\n", {"0", "2", "same direction"}},
+      {"OFF\n5 3 0\n" + square + "0 0 1\n3 0 1 2\n3 1 0 3\n3 0 1 4\n", {"0", "1", "same direction"}}};
+  write_file("handles.json", "{\"fixed\": {\"vertices\": [0]}, \"handles\": []}");
+  for (const Spoilt& mesh : meshes) {
+    write_file("bad.off", mesh.off);
+    for (const char* command : {"fair", "remesh", "simplify --remove 50%", "deform --handles handles.json"})
+      expect_refused(std::string(command) + " bad.off -o out.ply", mesh.words);
   }
 }
 
