@@ -7,6 +7,9 @@
 // Private to the room.
 namespace batten::detail {
 
+/// Corners are counted in int, and OpenSubdiv needs some 150 bytes for each face.
+constexpr double kMostFaces = 1e8;
+
 /// Which edges the faces of a polygon mesh share. Corner c stands for the side from its vertex to the next
 /// corner of its face.
 struct CageTopology {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <memory>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <opensubdiv/far/patchTableFactory.h>
 #include <opensubdiv/far/primvarRefiner.h>
@@ -88,6 +89,66 @@ std::unique_ptr<Far::TopologyRefiner> refiner_of(const ControlCage& cage, const 
   if (!refiner)
     throw InvalidInput("OpenSubdiv refuses the cage; look for faces with more than 65535 corners");
   return refiner;
+}
+
+/// Position and tangents of the limit surface at a dart, as weights of the vertex, its n edge neighbours and
+/// n face diagonals in turn, the sharp edge first: the left eigenvectors of the subdivision matrix around it.
+/// OpenSubdiv takes those of a smooth vertex, which leave out that the edge point of the sharp edge is its
+/// middle.
+Eigen::MatrixXd dart_masks(int n) {
+  const auto edge = [n](int k) { return 1 + (k + n) % n; };
+  const auto diagonal = [n](int k) { return 1 + n + (k + n) % n; };
+  Eigen::MatrixXd S = Eigen::MatrixXd::Zero(2 * n + 1, 2 * n + 1);
+  for (int k = 0; k < n; ++k) {
+    // Face k lies between the edges k and k + 1.
+    for (const int i : {0, edge(k), edge(k + 1), diagonal(k)}) S(diagonal(k), i) += 0.25;
+    S(edge(k), 0) += k == 0 ? 0.5 : 3.0 / 8;
+    S(edge(k), edge(k)) += k == 0 ? 0.5 : 3.0 / 8;
+    if (k == 0) continue;
+    for (const int i : {edge(k - 1), edge(k + 1), diagonal(k - 1), diagonal(k)}) S(edge(k), i) += 1.0 / 16;
+  }
+  S(0, 0) = 1 - 7.0 / (4 * n);
+  for (int k = 0; k < n; ++k) {
+    S(0, edge(k)) = 3.0 / (2.0 * n * n);
+    S(0, diagonal(k)) = 1.0 / (4.0 * n * n);
+  }
+  const Eigen::EigenSolver<Eigen::MatrixXd> solver(S.transpose());
+  std::vector<int> order(at(2 * n + 1));
+  for (size_t i = 0; i < order.size(); ++i) order[i] = static_cast<int>(i);
+  std::sort(order.begin(), order.end(), [&](int i, int j) {
+    return std::abs(solver.eigenvalues()(i)) > std::abs(solver.eigenvalues()(j));
+  });
+  Eigen::MatrixXd masks(3, 2 * n + 1);
+  for (int i = 0; i < 3; ++i) masks.row(i) = solver.eigenvectors().col(order[at(i)]).real().transpose();
+  masks.row(0) /= masks.row(0).sum();
+  return masks;
+}
+
+/// Replaces what evaluate_limit() gives at darts that stay sharp.
+void evaluate_darts(const Far::TopologyLevel& level, const Points& last, Points& positions, Points& normals) {
+  for (int v = 0; v < level.GetNumVertices(); ++v) {
+    if (level.GetVertexRule(v) != Sdc::Crease::RULE_DART) continue;
+    const Far::ConstIndexArray edges = level.GetVertexEdges(v), faces = level.GetVertexFaces(v);
+    const int n = edges.size();
+    int first = 0;
+    while (first + 1 < n && !(level.GetEdgeSharpness(edges[first]) > 0)) ++first;
+    Points ring(2 * n + 1, 3);
+    ring.row(0) = last.row(v);
+    for (int k = 0; k < n; ++k) {
+      const Far::ConstIndexArray ends = level.GetEdgeVertices(edges[(first + k) % n]);
+      ring.row(1 + k) = last.row(ends[ends[0] == v ? 1 : 0]);
+      const Far::ConstIndexArray corners = level.GetFaceVertices(faces[(first + k) % n]);
+      int here = 0;
+      while (corners[here] != v) ++here;
+      ring.row(1 + n + k) = last.row(corners[(here + 2) % 4]);
+    }
+    const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> limit = dart_masks(n) * ring;
+    positions.row(v) = limit.row(0);
+    Eigen::RowVector3d normal = limit.row(1).cross(limit.row(2));
+    if (normal.dot(normals.row(v)) < 0) normal = -normal;  // eigenvectors have no sign
+    if (normal.norm() > 1e-12 * limit.row(1).norm() * limit.row(2).norm())
+      normals.row(v) = normal.normalized();
+  }
 }
 
 /// Limit points and normals at the vertices of the last level.
@@ -204,13 +265,26 @@ void refine_catmull_clark(const ControlCage& cage, const CageTopology& topology,
                           const SubdivisionOptions& options, SubdividedSurface& surface,
                           const Progress& progress) {
   const std::unique_ptr<Far::TopologyRefiner> refiner = refiner_of(cage, topology, options.smooth_corners);
-  // The limit masks hold for quads: a cage that is not refined takes those of its first level.
-  const int levels = options.limit ? std::max(options.levels, 1) : options.levels;
+  // The limit masks hold for quads, and where no semi-sharp feature is left: further levels are made for
+  // them.
+  int levels = options.levels;
+  if (options.limit) {
+    levels = std::max(levels, 1);
+    for (const std::vector<double>& all : {edge_sharpness(cage, topology), vertex_sharpness(cage)})
+      for (const double sharpness : all)
+        if (sharpness < Sdc::Crease::SHARPNESS_INFINITE)
+          levels = std::max(levels, static_cast<int>(std::ceil(sharpness)));
+    if (static_cast<double>(cage.mesh.corners.size()) * std::pow(4.0, levels - 1) > kMostFaces)
+      throw InvalidInput(concat("the limit of the semi-sharp features needs ", levels,
+                                " levels, which makes too many faces; lower the sharpness or set it to 10, ",
+                                "which is sharp for ever"));
+  }
   Far::TopologyRefiner::UniformOptions uniform(levels);
   uniform.fullTopologyInLastLevel = options.limit;
   if (levels > 0) refiner->RefineUniform(uniform);
   progress.report("subdivide", 0.6);
-  Points coarse = cage.mesh.positions, fine;
+  Points coarse = cage.mesh.positions, fine, wanted;
+  if (options.levels == 0) wanted = coarse;
   const Far::PrimvarRefinerReal<double> interpolation(*refiner);
   for (int k = 1; k <= levels; ++k) {
     fine.resize(refiner->GetLevel(k).GetNumVertices(), 3);
@@ -218,17 +292,23 @@ void refine_catmull_clark(const ControlCage& cage, const CageTopology& topology,
     Rows target(fine.data());
     interpolation.Interpolate(k, source, target);
     coarse.swap(fine);
+    if (k == options.levels && k < levels) wanted = coarse;
     progress.report("subdivide", 0.6 + 0.4 * k / (levels + 1));
   }
   if (options.limit) {
     evaluate_limit(*refiner, coarse, surface.limit_positions, surface.limit_normals);
-    average_normals(refiner->GetLevel(levels), surface.limit_positions, surface.limit_normals);
-    if (options.levels == 0) {
-      const Far::TopologyLevel& base = refiner->GetLevel(0);
-      Points positions(base.GetNumVertices(), 3), normals(base.GetNumVertices(), 3);
-      for (int v = 0; v < base.GetNumVertices(); ++v) {
-        positions.row(v) = surface.limit_positions.row(base.GetVertexChildVertex(v));
-        normals.row(v) = surface.limit_normals.row(base.GetVertexChildVertex(v));
+    const Far::TopologyLevel& last = refiner->GetLevel(levels);
+    evaluate_darts(last, coarse, surface.limit_positions, surface.limit_normals);
+    average_normals(last, surface.limit_positions, surface.limit_normals);
+    if (options.levels < levels) {
+      const Far::TopologyLevel& level = refiner->GetLevel(options.levels);
+      Points positions(level.GetNumVertices(), 3), normals(level.GetNumVertices(), 3);
+      for (int v = 0; v < level.GetNumVertices(); ++v) {
+        int finest = v;
+        for (int k = options.levels; k < levels; ++k)
+          finest = refiner->GetLevel(k).GetVertexChildVertex(finest);
+        positions.row(v) = surface.limit_positions.row(finest);
+        normals.row(v) = surface.limit_normals.row(finest);
       }
       surface.limit_positions = std::move(positions);
       surface.limit_normals = std::move(normals);
@@ -236,7 +316,7 @@ void refine_catmull_clark(const ControlCage& cage, const CageTopology& topology,
   }
   copy_faces(*refiner, options.levels, surface);
   trace_edges(*refiner, topology, options.levels, surface);
-  surface.cage.mesh.positions = options.levels == 0 ? cage.mesh.positions : std::move(coarse);
+  surface.cage.mesh.positions = std::move(options.levels < levels || levels == 0 ? wanted : coarse);
 }
 
 LimitCells limit_cells(const ControlCage& cage, const CageTopology& topology, int depth,

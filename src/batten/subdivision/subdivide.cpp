@@ -13,8 +13,6 @@ namespace batten {
 namespace {
 
 constexpr int kMostLevels = 12;
-/// Corners are counted in int, and OpenSubdiv needs some 150 bytes for each face.
-constexpr double kMostFaces = 1e8;
 
 /// What is sharp in the cage, one level per refinement less, along the pieces of its edges.
 void keep_sharpness(const ControlCage& cage, const detail::CageTopology& topology, int levels,
@@ -52,9 +50,9 @@ SubdividedSurface subdivide(const ControlCage& cage, const SubdivisionOptions& o
   const double n_faces =
       options.levels == 0 ? static_cast<double>(cage.mesh.n_faces())
                           : static_cast<double>(cage.mesh.corners.size()) * std::pow(4.0, options.levels - 1);
-  if (n_faces > kMostFaces)
+  if (n_faces > detail::kMostFaces)
     throw InvalidInput(concat(options.levels, " levels would make ", n_faces,
-                              " faces; take fewer levels, at most ", kMostFaces, " faces are made"));
+                              " faces; take fewer levels, at most ", detail::kMostFaces, " faces are made"));
   const detail::CageTopology topology = detail::cage_topology(cage.mesh);
   SubdividedSurface surface;
   if (options.scheme == SubdivisionScheme::CatmullClark)
