@@ -142,7 +142,7 @@ void fit_sphere(const Points& x, Vector3d& centre, double& radius) {
       a.row(r) << 2 * p.transpose(), 1;
       b[r] = p.squaredNorm();
     }
-    const Eigen::Vector4d solution = a.colPivHouseholderQr().solve(b);
+    const Eigen::Vector4d solution = Eigen::MatrixXd(a.transpose() * a).ldlt().solve(a.transpose() * b);
     centre = solution.head<3>();
     radius = std::sqrt(std::max(0.0, solution[3] + centre.squaredNorm()));
     std::vector<std::pair<double, Eigen::Index>> misfits;
@@ -235,6 +235,7 @@ SensorCalibration fit_ellipsoid(const Points& readings, EllipsoidFitReport& repo
     return sum;
   };
 
+  // Every solver here is of dynamic size: those of sizes 3, 4 and 9 took a minute to compile.
   Matrix9d normal_matrix;
   double damping = 1e-3;
   evaluate(p);
@@ -260,7 +261,7 @@ SensorCalibration fit_ellipsoid(const Points& readings, EllipsoidFitReport& repo
     Vector9d step = Vector9d::Zero();
     bool improved = false;
     for (int attempt = 0; attempt < 30 && !improved; ++attempt) {
-      Matrix9d damped = normal_matrix;
+      Eigen::MatrixXd damped = normal_matrix;
       damped.diagonal() +=
           damping * (normal_matrix.diagonal().array() + 1e-12 * normal_matrix.trace()).matrix();
       step = -damped.ldlt().solve(gradient);
@@ -280,7 +281,7 @@ SensorCalibration fit_ellipsoid(const Points& readings, EllipsoidFitReport& repo
   }
 
   const Matrix3d m = symmetric(p);
-  const Eigen::SelfAdjointEigenSolver<Matrix3d> axes(m);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes(m);
   if (!p.allFinite() || !(axes.eigenvalues()[0] > 0) || axes.eigenvalues()[2] > 20 * axes.eigenvalues()[0])
     throw InvalidInput(
         "no ellipsoid fits the readings; turn the device over all sides, slowly and away from iron");
@@ -311,16 +312,17 @@ SensorCalibration fit_ellipsoid(const Points& readings, EllipsoidFitReport& repo
                               " % of all directions; turn the device so that the field also comes from ",
                               coverage.missing));
   const Vector9d diagonal = normal_matrix.diagonal().cwiseSqrt().cwiseMax(1e-150);
-  const Eigen::SelfAdjointEigenSolver<Matrix9d> determinacy(
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> determinacy(
       diagonal.cwiseInverse().asDiagonal() * normal_matrix * diagonal.cwiseInverse().asDiagonal());
   if (!(determinacy.eigenvalues()[0] > kSmallestDeterminacy * determinacy.eigenvalues()[8]))
     throw InvalidInput(
         "many ellipsoids fit the readings alike: the device was turned about one axis only; turn it over all "
         "sides");
   // Covariance of the unknowns at the optimum; normal_matrix is from the last step, close enough.
-  const Matrix9d covariance =
-      squares / std::max(1.0, kept - 9) * normal_matrix.completeOrthogonalDecomposition().pseudoInverse();
-  const Eigen::SelfAdjointEigenSolver<Matrix3d> offset_spread(covariance.bottomRightCorner<3, 3>());
+  const Eigen::MatrixXd spread_axes = diagonal.cwiseInverse().asDiagonal() * determinacy.eigenvectors();
+  const Matrix9d covariance = squares / std::max(1.0, kept - 9) * spread_axes *
+                              determinacy.eigenvalues().cwiseInverse().asDiagonal() * spread_axes.transpose();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> offset_spread(covariance.bottomRightCorner<3, 3>());
   report.uncertainty = std::sqrt(std::max(0.0, offset_spread.eigenvalues()[2])) / strength;
   if (report.uncertainty > options.largest_uncertainty)
     throw InvalidInput(concat("the zero of the sensor along ",
@@ -359,10 +361,10 @@ double align_magnetometer(const Points& accelerometer, const Points& magnetomete
       normal_matrix += w * j * j.transpose();
       right -= w * (angles[i] - middle) * j;
     }
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> eigen(normal_matrix);
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(normal_matrix);
     // Undetermined where the readings turn about one axis only.
     if (!(eigen.eigenvalues()[0] > 1e-3 * eigen.eigenvalues()[3])) return 0;
-    const Vector3d step = normal_matrix.ldlt().solve(right).head<3>();
+    const Vector3d step = Eigen::MatrixXd(normal_matrix).ldlt().solve(right).head<3>();
     if (!step.allFinite()) return 0;
     R = so3_exp(step) * R;
     if (step.norm() < 1e-13) break;
