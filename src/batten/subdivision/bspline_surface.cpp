@@ -27,6 +27,8 @@ using Weights = Eigen::RowVector4d;
 using Arguments = std::array<double, 3>;
 
 constexpr int kMostPatches = 200000;
+/// Two halvings part the cells at the two ends of an edge.
+constexpr int kLeastIsolation = 2;
 /// Halvings beyond the isolation down to which the limit surface is sampled.
 constexpr int kSampledHalvings = 4;
 
@@ -76,10 +78,13 @@ class Cells {
     return nullptr;
   }
 
-  /// Corners (0, 0), (1, 0), (1, 1), (0, 1) at which no cell ends: the extraordinary ones.
+  /// Corners (0, 0), (1, 0), (1, 1), (0, 1) at which no cell of use ends: the extraordinary ones. Where the
+  /// other side of a crease is extraordinary, a regular side comes out as a cell of the deepest level; it is
+  /// treated likewise, and the fit then meets it exactly.
   std::array<bool, 4> irregular_corners(int face) const {
     std::array<bool, 4> irregular{true, true, true, true};
     for (const LimitCell* cell : of_face_[at(face)]) {
+      if (cell->depth > kLeastIsolation) continue;
       const int last = (1 << cell->depth) - 1;
       const bool left = cell->u == 0, right = cell->u == last, low = cell->v == 0, high = cell->v == last;
       if (left && low) irregular[0] = false;
@@ -456,7 +461,8 @@ class Builder {
       if (sides[1].face < 0 || is_sharp(e)) continue;
       if (surface.patches[at(sides[0].face)].is_exact && surface.patches[at(sides[1].face)].is_exact)
         continue;
-      for (int end = 0; end < 2; ++end)
+      for (int end = 0; end < 2; ++end) {
+        if (has_plane_[at(topology_.edges[at(e)][at(end)])] == 0) continue;  // a cone has no tangent plane
         for (int k = 1; k <= 16; ++k) {
           const double t = std::abs(end - cell_side() * k / 16);
           Eigen::Vector3d normals[2];
@@ -469,6 +475,7 @@ class Builder {
           const double angle = std::atan2(normals[0].cross(normals[1]).norm(), normals[0].dot(normals[1]));
           surface.normal_jump = std::max(surface.normal_jump, angle);
         }
+      }
     }
   }
 
@@ -519,7 +526,7 @@ int levels_to_resolve(const ControlCage& cage) {
 
 std::optional<std::string> BsplineOptions::problem() const {
   if (!(tolerance > 0)) return concat("tolerance must be > 0, got ", tolerance);
-  if (most_isolation < 2 || most_isolation > 6)
+  if (most_isolation < kLeastIsolation || most_isolation > 6)
     return concat("most_isolation must be 2 to 6, got ", most_isolation);
   return std::nullopt;
 }
@@ -556,7 +563,7 @@ BsplineSurface limit_bsplines(const ControlCage& cage, const BsplineOptions& opt
       detail::limit_cells(quads, topology, options.most_isolation + kSampledHalvings, options.smooth_corners);
   const double tolerance = options.tolerance * bounding_box_diagonal(cage.mesh.positions);
   BsplineSurface surface;
-  for (int isolation = 2; isolation <= options.most_isolation; ++isolation) {
+  for (int isolation = kLeastIsolation; isolation <= options.most_isolation; ++isolation) {
     surface = Builder(quads, topology, limit, sharpness, isolation).build(progress);
     if (surface.deviation <= tolerance) break;
   }

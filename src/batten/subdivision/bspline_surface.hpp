@@ -49,7 +49,8 @@ struct BsplineSurface {
   /// The largest distance of the limit surface from its patch found there, in the unit of the cage; 0 where
   /// everything is exact.
   double deviation = 0;
-  /// The largest angle between the normals of two patches found along an edge that is not sharp, radians.
+  /// The largest angle between the normals of two patches found along an edge that is not sharp, radians; but
+  /// for ends at corners, where the limit surface is a cone without a tangent plane.
   double normal_jump = 0;
 };
 

@@ -324,7 +324,8 @@ LimitCells limit_cells(const ControlCage& cage, const CageTopology& topology, in
   const std::unique_ptr<Far::TopologyRefiner> refiner = refiner_of(cage, topology, smooth_corners);
   Far::PatchTableFactory::Options table_options(static_cast<unsigned int>(depth));
   table_options.useInfSharpPatch = true;
-  table_options.SetEndCapType(Far::PatchTableFactory::Options::ENDCAP_NONE);
+  // Bilinear patches at irregular places, so that those can be told apart from the regular ones and left out.
+  table_options.SetEndCapType(Far::PatchTableFactory::Options::ENDCAP_BILINEAR_BASIS);
   refiner->RefineAdaptive(table_options.GetRefineAdaptiveOptions());
   const std::unique_ptr<Far::PatchTable> table(Far::PatchTableFactory::Create(*refiner, table_options));
 

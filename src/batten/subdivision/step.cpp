@@ -25,6 +25,7 @@
 #include <Message_Messenger.hxx>
 #include <STEPControl_Reader.hxx>
 #include <STEPControl_Writer.hxx>
+#include <StepBasic_Product.hxx>
 #include <StepData_Protocol.hxx>
 #include <StepData_StepModel.hxx>
 #include <StepData_StepWriter.hxx>
@@ -266,11 +267,17 @@ std::string format_step(const BsplineSurface& surface, const StepOptions& option
     STEPControl_Writer writer;
     Interface_Static::SetCVal("write.step.unit", "MM");
     Interface_Static::SetIVal("write.surfacecurve.mode", 1);
-    Interface_Static::SetCVal("write.step.product.name", ascii(options.name)->ToCString());
     const TopoDS_Shape shape = to_shape(surface, options.millimetres_per_unit);
     if (writer.Transfer(shape, STEPControl_AsIs) != IFSelect_RetDone)
       throw Error("Open Cascade could not turn the surface into STEP entities");
     const Handle(StepData_StepModel) model = writer.Model();
+    // Open Cascade numbers its products through the life of the process.
+    for (int k = 1; k <= model->NbEntities(); ++k) {
+      const Handle(StepBasic_Product) product = Handle(StepBasic_Product)::DownCast(model->Entity(k));
+      if (product.IsNull()) continue;
+      product->SetId(ascii(options.name));
+      product->SetName(ascii(options.name));
+    }
     APIHeaderSection_MakeHeader header(model);
     header.SetName(ascii(options.name));
     header.SetTimeStamp(ascii("1970-01-01T00:00:00"));  // the same surface, the same file
@@ -278,8 +285,10 @@ std::string format_step(const BsplineSurface& surface, const StepOptions& option
     header.SetOriginatingSystem(ascii("Batten"));
     header.Apply(model);
     StepData_StepWriter step(model);
-    step.FloatWriter().SetFormat("%.16E");  // 17 digits: what is read back is what was meant
-    step.FloatWriter().SetZeroSuppress(true);
+    // 16 digits instead of 13. More would not fit into Open Cascade's buffer of 24 characters, and where it
+    // cuts zeros it cuts off exponents too.
+    step.FloatWriter().SetFormat("%.15E");
+    step.FloatWriter().SetZeroSuppress(false);
     step.SendModel(Handle(StepData_Protocol)::DownCast(model->Protocol()));
     std::ostringstream text;
     if (!step.Print(text)) throw Error("Open Cascade could not write the STEP entities");
