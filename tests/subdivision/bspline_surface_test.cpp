@@ -282,7 +282,9 @@ TEST_F(Step, RefusesWhatIsNoStepFile) {
   EXPECT_THROW(read_step("ISO-10303-21;\nHEADER;\nENDSEC;\nDATA;\nENDSEC;\nEND-ISO-10303-21;\n"),
                InvalidInput);
   EXPECT_THROW(format_step(BsplineSurface()), InvalidInput);
-  EXPECT_THROW(format_step(limit_bsplines(cages::cube()), {.millimetres_per_unit = 0}), InvalidInput);
+  const BsplineSurface cube = limit_bsplines(cages::cube());
+  EXPECT_THROW(format_step(cube, {.millimetres_per_unit = 0}), InvalidInput);
+  EXPECT_THROW(format_step(cube, {.millimetres_per_unit = 1e-6}), InvalidInput) << "edges of 1e-6 mm";
 }
 
 }  // namespace

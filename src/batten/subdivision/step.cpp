@@ -261,6 +261,16 @@ std::string format_step(const BsplineSurface& surface, const StepOptions& option
   if (!(options.millimetres_per_unit > 0) || !std::isfinite(options.millimetres_per_unit))
     throw InvalidInput(concat("millimetres_per_unit must be > 0, got ", options.millimetres_per_unit));
   if (surface.patches.empty()) throw InvalidInput("the surface has no patches to write");
+  for (const BsplineEdge& edge : surface.edges) {
+    double length = 0;
+    for (Eigen::Index i = 1; i < edge.curve.control_points.rows(); ++i)
+      length += (edge.curve.control_points.row(i) - edge.curve.control_points.row(i - 1)).norm();
+    length *= options.millimetres_per_unit;
+    if (!(length > 100 * kTolerance))
+      throw InvalidInput(
+          concat("the edge between vertices ", edge.vertices[0], " and ", edge.vertices[1], " is ", length,
+                 " mm long, too short for CAD; check the unit of the cage, or join these vertices"));
+  }
   const std::lock_guard<std::mutex> lock(open_cascade());
   try {
     silence();

@@ -21,7 +21,8 @@ struct StepOptions {
 /// A B-spline surface as the text of a STEP file (ISO 10303-214): one solid per closed component, one shell
 /// per open one; a face per patch, which shares its edges and vertices with its neighbours. The text is the
 /// same for the same surface: the time stamp is fixed.
-/// @throws InvalidInput without Open Cascade or on bad options; Error when Open Cascade cannot write.
+/// @throws InvalidInput without Open Cascade, on bad options, or naming an edge shorter than 1e-5 mm; Error
+/// when Open Cascade cannot write.
 std::string format_step(const BsplineSurface& surface, const StepOptions& options = {});
 
 /// What Open Cascade makes of a STEP file.
