@@ -166,6 +166,7 @@ int run(int argc, char** argv) {
   add_convert(app);
   add_render(app);
   add_info(app);
+  add_fair(app);
   add_simplify(app);
   try {
     app.parse(argc, argv);

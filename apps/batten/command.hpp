@@ -66,6 +66,7 @@ void add_convert(CLI::App& app);
 void add_render(CLI::App& app);
 void add_subdivide(CLI::App& app);
 void add_info(CLI::App& app);
+void add_fair(CLI::App& app);
 void add_simplify(CLI::App& app);
 
 }  // namespace batten::cli

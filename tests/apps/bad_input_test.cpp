@@ -164,6 +164,7 @@ TEST(BadInput, EveryCommandRefusesEmptyFilesFoldersGarbageAndNothing) {
       {"render", {"ply", "off", "obj"}},
       {"convert", {"ply", "stl", "net"}},
       {"compare", {"ply", "off", "net"}},
+      {"fair", {"ply", "off", "stl", "obj"}},
       {"simulate", {"ply", "off", "stl", "obj"}}};
   const auto line_for = [](const std::string& command, const std::string& input) {
     if (command == "info") return "info " + input;

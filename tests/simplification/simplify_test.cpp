@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <functional>
 #include <numeric>
+#include <ostream>
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
@@ -104,7 +105,9 @@ int euler(const TriangleMesh& mesh) {
 }
 
 Comparison compared(const TriangleMesh& a, const TriangleMesh& b) {
-  return compare({a.positions, a.triangles, {}}, {b.positions, b.triangles, {}});
+  CompareOptions options;
+  options.samples = 50000;
+  return compare({a.positions, a.triangles, {}}, {b.positions, b.triangles, {}}, options);
 }
 
 SimplifyResult with_faces(const TriangleMesh& mesh, Eigen::Index faces) {
@@ -139,7 +142,7 @@ TEST(Simplify, ACubeOfManyFacesBecomesTwelveTrianglesExactly) {
 // Piecewise linear approximation of a smooth surface with n triangles errs by O(1/n): four times fewer faces,
 // four times the error.
 TEST(Simplify, ErrorOnATorusIsInverselyProportionalToTheFaces) {
-  const TriangleMesh input = torus(80);
+  const TriangleMesh input = torus(56);
   const double fine = compared(input, with_faces(input, 3200).mesh).a_to_b.samples.rms;
   const double coarse = compared(input, with_faces(input, 800).mesh).a_to_b.samples.rms;
   EXPECT_NEAR(std::log(coarse / fine) / std::log(4.0), 1.0, 0.25);
@@ -190,13 +193,13 @@ TEST(Simplify, AFlatSquareKeepsItsBorder) {
 // Two parallel plates nearer to each other than their triangles are wide: the trap for collapses that look at
 // their own faces only. A wavy thin shell, closed at the rim.
 TEST(Simplify, SheetsThatLieCloseTogetherDoNotTouch) {
-  const TriangleMesh input = as_mesh(fixtures::sphere(40));
+  const TriangleMesh input = as_mesh(fixtures::sphere(20));
   TriangleMesh shell = input;
   for (Eigen::Index v = 0; v < shell.n_vertices(); ++v) {
     const Vector3d p = input.positions.row(v);
     shell.positions(v, 2) = 0.004 * p.z() + 0.15 * std::sin(4 * p.x()) * std::cos(3 * p.y());
   }
-  for (const Eigen::Index faces : {3000, 1000, 300}) {
+  for (const Eigen::Index faces : {1500, 600, 200}) {
     const SimplifyResult result = with_faces(shell, faces);
     EXPECT_TRUE(self_intersections(result.mesh.positions, result.mesh.triangles).empty()) << faces;
     EXPECT_TRUE(result.reached || !result.warnings.empty());
@@ -224,18 +227,16 @@ TEST(Simplify, InputThatCrossesItselfIsSimplifiedAllTheSame) {
 }
 
 TEST(Simplify, StaysWithinAnErrorInBothDirections) {
-  const TriangleMesh input = torus(40);
+  const TriangleMesh input = torus(24);
   SimplifyOptions options;
-  for (const double limit : {0.1, 0.02}) {
-    options.max_error = limit;
-    const SimplifyResult result = simplify(input, options);
-    const Comparison comparison = compared(input, result.mesh);
-    EXPECT_LT(comparison.a_to_b.vertices.max, limit * (1 + 1e-9));
-    EXPECT_LT(std::max(comparison.a_to_b.samples.max, comparison.b_to_a.samples.max), 1.05 * limit);
-    // Not by keeping everything: half the faces would be allowed about twice the error.
-    EXPECT_LT(result.mesh.n_triangles(), input.n_triangles() / 2);
-    EXPECT_GT(result.max_error, 0.5 * limit);
-  }
+  options.max_error = 0.1;
+  const SimplifyResult result = simplify(input, options);
+  const Comparison comparison = compared(input, result.mesh);
+  EXPECT_LT(comparison.a_to_b.vertices.max, 0.1 * (1 + 1e-9));
+  EXPECT_LT(std::max(comparison.a_to_b.samples.max, comparison.b_to_a.samples.max), 0.105);
+  // Not by keeping everything: half the faces would be allowed about twice the error.
+  EXPECT_LT(result.mesh.n_triangles(), input.n_triangles() / 2);
+  EXPECT_GT(result.max_error, 0.05);
 }
 
 // Sharp edges of a block under a cut so deep that the error alone would round them off.
@@ -365,6 +366,9 @@ struct Case {
   const char* file;
   double removed, dmax, dmean, drms, angle, lindstrom_turk;
 };
+void PrintTo(const Case& peer, std::ostream* out) {
+  *out << peer.file << " without " << 100 * peer.removed << " %";
+}
 class SimplifyAgainstPeers : public testing::TestWithParam<Case> {};
 
 TEST_P(SimplifyAgainstPeers, IsNearerThanMeshLabAndLindstromTurkWithAnglesAsGood) {
@@ -389,6 +393,12 @@ TEST_P(SimplifyAgainstPeers, IsNearerThanMeshLabAndLindstromTurkWithAnglesAsGood
   EXPECT_GT(degrees(quality.mean_min_angle), peer.angle - 1);
 }
 
+#ifdef __SANITIZE_ADDRESS__  // the same code runs for every mesh; what the figures are, the release suite
+                             // tells
+INSTANTIATE_TEST_SUITE_P(Meshes, SimplifyAgainstPeers,
+                         testing::Values(Case{"fandisk.obj", 0.95, 1.87e-3, 6.83e-5, 1.39e-4, 22.1,
+                                              9.85e-5}));
+#else
 INSTANTIATE_TEST_SUITE_P(
     Meshes, SimplifyAgainstPeers,
     testing::Values(Case{"fandisk.obj", 0.80, 1.70e-4, 4.99e-6, 1.14e-5, 26.9, 7.94e-6},
@@ -397,6 +407,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"rocker-arm.obj", 0.90, 7.65e-3, 3.36e-4, 5.26e-4, 33.0, 3.17e-4},
                     Case{"rocker-arm.obj", 0.95, 8.82e-3, 6.17e-4, 9.37e-4, 31.7, 5.34e-4},
                     Case{"rocker-arm.obj", 0.97, 1.33e-2, 9.54e-4, 1.44e-3, 32.0, 8.19e-4}));
+#endif
 
 }  // namespace
 }  // namespace batten

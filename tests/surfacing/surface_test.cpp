@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <numeric>
+#include <ostream>
 #include <set>
 
 #include <Eigen/Geometry>
@@ -77,6 +78,9 @@ struct ExactNetwork {
   double target;
   long euler;
 };
+void PrintTo(const ExactNetwork& test, std::ostream* out) {
+  *out << test.name;
+}
 class SurfaceOfExactNetwork : public testing::TestWithParam<ExactNetwork> {};
 
 TEST_P(SurfaceOfExactNetwork, LiesWithinTheTargetOfTheTrueSurfaceAndIsSound) {

@@ -5,6 +5,7 @@
 #include <Eigen/Dense>
 
 #include "batten/core/units.hpp"
+#include "batten/operators/gradient.hpp"
 #include "batten/operators/laplacian.hpp"
 
 namespace batten {
@@ -81,6 +82,12 @@ Curvatures discrete_curvatures(const Points& positions, const Triangles& triangl
     result.minimal[v] = result.mean[v] - root;
   }
   return result;
+}
+
+Points curvature_from_divergence(const Points& positions, const Triangles& triangles) {
+  const SparseMatrix gradient = vertex_gradient(positions, triangles);
+  const SparseMatrix divergence = vertex_divergence(positions, triangles);
+  return -(divergence * (gradient * positions));
 }
 
 double total_angle_deficit(const Points& positions, const Triangles& triangles) {

@@ -20,6 +20,11 @@ struct Curvatures {
 /// By cotangents and mixed Voronoi areas. Vertices without triangles get zeros.
 Curvatures discrete_curvatures(const Points& positions, const Triangles& triangles);
 
+/// 2 H N, n × 3, as minus the divergence of the gradient of the positions, both per vertex: H (1.29) turned
+/// to the sign of Curvatures::mean_vector (the printed form gives −2 H N). Its stencil is the two-ring, so
+/// noise shows less in it and detail too; flat parts of a border get no pull.
+Points curvature_from_divergence(const Points& positions, const Triangles& triangles);
+
 /// Sum of the angle deficits 2π − Σ angles, π − Σ angles on borders: 2π χ exactly (Gauss-Bonnet).
 double total_angle_deficit(const Points& positions, const Triangles& triangles);
 

@@ -80,4 +80,15 @@ SparseMatrix vertex_gradient(const Points& positions, const Triangles& triangles
   return assembled(3 * positions.rows(), positions.rows(), triplets);
 }
 
+SparseMatrix vertex_divergence(const Points& positions, const Triangles& triangles) {
+  // ∇f at v is Σ_u w_vu f_u and div V at v is Σ_u w_vu · V_u with the same vectors w (1.9, 1.12).
+  const SparseMatrix gradient = vertex_gradient(positions, triangles);
+  Triplets triplets;
+  triplets.reserve(static_cast<std::size_t>(gradient.nonZeros()));
+  for (Eigen::Index column = 0; column < gradient.outerSize(); ++column)
+    for (SparseMatrix::InnerIterator entry(gradient, column); entry; ++entry)
+      triplets.emplace_back(entry.row() / 3, 3 * column + entry.row() % 3, entry.value());
+  return assembled(positions.rows(), 3 * positions.rows(), triplets);
+}
+
 }  // namespace batten

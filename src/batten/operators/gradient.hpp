@@ -15,4 +15,9 @@ SparseMatrix face_divergence(const Points& positions, const Triangles& triangles
 /// Gradient per vertex: the area-weighted mean over its triangles, 3n × n. H (1.9)
 SparseMatrix vertex_gradient(const Points& positions, const Triangles& triangles);
 
+/// Divergence per vertex of vectors per vertex: the area-weighted mean over its triangles, n × 3n, columns
+/// 3v … 3v + 2 for the vector of vertex v; a density, not integrated. The same numbers as vertex_gradient(),
+/// and minus its adjoint only in the limit of small triangles. H (1.11–1.12)
+SparseMatrix vertex_divergence(const Points& positions, const Triangles& triangles);
+
 }  // namespace batten

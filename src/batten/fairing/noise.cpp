@@ -1,0 +1,128 @@
+#include "batten/fairing/noise.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "batten/core/error.hpp"
+#include "batten/core/random.hpp"
+#include "batten/core/text.hpp"
+#include "batten/fairing/neighbours_detail.hpp"
+#include "batten/mesh/normals.hpp"
+
+namespace batten {
+
+namespace {
+
+void check_level(const char* name, double level) {
+  if (!(level >= 0) || !std::isfinite(level))
+    throw InvalidInput(concat("the noise ", name, " must be finite and at least 0, got ", level));
+}
+
+}  // namespace
+
+double mean_edge_length(const Points& positions, const Triangles& triangles) {
+  const fairing_detail::IndexLists neighbours =
+      fairing_detail::vertex_neighbours(triangles, positions.rows());
+  double sum = 0;
+  Eigen::Index count = 0;
+  for (Eigen::Index v = 0; v < positions.rows(); ++v)
+    for (int i = neighbours.begin(v); i < neighbours.end(v); ++i)
+      if (const int u = neighbours.indices[i]; u > v) {
+        sum += (positions.row(u) - positions.row(v)).norm();
+        ++count;
+      }
+  return count > 0 ? sum / static_cast<double>(count) : 0;
+}
+
+Points add_gaussian_noise(const Points& positions, const Triangles& triangles, double level,
+                          std::uint64_t seed) {
+  check_level("level", level);
+  const double deviation = level * mean_edge_length(positions, triangles);
+  const Points normals = vertex_normals(positions, triangles);
+  Random random(seed);
+  Points noisy = positions;
+  for (Eigen::Index v = 0; v < noisy.rows(); ++v)
+    noisy.row(v) += deviation * random.normal() * normals.row(v);
+  return noisy;
+}
+
+Points add_impulsive_noise(const Points& positions, const Triangles& triangles, double share, double level,
+                           ImpulseKind kind, std::uint64_t seed) {
+  check_level("level", level);
+  if (!(share >= 0 && share <= 1))
+    throw InvalidInput(concat("the share of vertices with noise must lie in 0 to 1, got ", share));
+  const double length = level * mean_edge_length(positions, triangles);
+  const Points normals = vertex_normals(positions, triangles);
+  // Three streams: which vertices are hit does not depend on how they are moved.
+  Random hits(seed, 0), amounts(seed, 1), directions(seed, 2);
+  Points noisy = positions;
+  for (Eigen::Index v = 0; v < noisy.rows(); ++v) {
+    const bool hit = hits.uniform() < share;
+    const double amount = kind == ImpulseKind::NormalGaussian ? amounts.normal()
+                          : amounts.uniform() < 0.5           ? -1.0
+                                                              : 1.0;
+    const Eigen::Vector3d direction = directions.direction();
+    if (!hit) continue;
+    if (kind == ImpulseKind::RandomDirection)
+      noisy.row(v) += length * direction.transpose();
+    else
+      noisy.row(v) += length * amount * normals.row(v);
+  }
+  return noisy;
+}
+
+Points add_thesis_noise(const Points& positions, const Triangles& triangles, double normal_level,
+                        double random_level, std::uint64_t seed) {
+  check_level("level along the normals", normal_level);
+  check_level("level in random directions", random_level);
+  const double edge = mean_edge_length(positions, triangles);
+  const Points normals = vertex_normals(positions, triangles);
+  Random random(seed);
+  Points noisy = positions;
+  for (Eigen::Index v = 0; v < noisy.rows(); ++v) {
+    const double c1 = random.uniform(-normal_level, normal_level);
+    const double c2 = random.uniform(-random_level, random_level);
+    noisy.row(v) += edge * (c1 * normals.row(v) + c2 * random.direction().transpose());
+  }
+  return noisy;
+}
+
+NoiseEstimate estimate_noise(const Points& positions, const Triangles& triangles) {
+  NoiseEstimate estimate;
+  const Eigen::Index n = positions.rows();
+  const double edge = mean_edge_length(positions, triangles);
+  if (!(edge > 0)) return estimate;
+  const fairing_detail::IndexLists neighbours = fairing_detail::vertex_neighbours(triangles, n);
+  const auto mean_of_neighbours = [&](const Points& field) {
+    Points mean = Points::Zero(n, 3);
+    for (Eigen::Index v = 0; v < n; ++v) {
+      for (int i = neighbours.begin(v); i < neighbours.end(v); ++i)
+        mean.row(v) += field.row(neighbours.indices[i]);
+      if (neighbours.size(v) > 0) mean.row(v) /= neighbours.size(v);
+    }
+    return mean;
+  };
+  // Noise tilts the normals, which would hide a part of it: smooth them twice.
+  Points normals = vertex_normals(positions, triangles);
+  for (int pass = 0; pass < 2; ++pass) normals += mean_of_neighbours(normals);
+  const Points umbrella = positions - mean_of_neighbours(positions);
+  const Points bi_umbrella = umbrella - mean_of_neighbours(umbrella);
+
+  const Eigen::VectorXd gains = fairing_detail::bi_umbrella_gains(neighbours);
+  std::vector<double> deviations;
+  deviations.reserve(static_cast<std::size_t>(n));
+  for (Eigen::Index v = 0; v < n; ++v)
+    if (const double length = normals.row(v).norm(); gains[v] > 0 && length > 0)
+      deviations.push_back(std::abs(bi_umbrella.row(v).dot(normals.row(v))) / (length * std::sqrt(gains[v])));
+  if (deviations.empty()) return estimate;
+  const auto middle = deviations.begin() + static_cast<std::ptrdiff_t>(deviations.size() / 2);
+  std::nth_element(deviations.begin(), middle, deviations.end());
+  constexpr double kMedianOfHalfNormal = 0.67448975;
+  estimate.level = *middle / kMedianOfHalfNormal / edge;
+  const double ramp = std::clamp((estimate.level - 0.05) / 0.03, 0.0, 1.0);
+  estimate.significance = ramp * ramp * (3 - 2 * ramp);
+  return estimate;
+}
+
+}  // namespace batten
