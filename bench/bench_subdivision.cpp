@@ -36,6 +36,17 @@ void BM_CatmullClark(benchmark::State& state) {
   state.counters["peak_MB"] = peak_megabytes();
 }
 
+/// Other positions for a cage whose topology is kept.
+void BM_CatmullClarkMove(benchmark::State& state) {
+  const ControlCage cage = torus_of(state.range(0));
+  Subdivision kept(cage, {.levels = kLevels});
+  Points positions = cage.mesh.positions;
+  for (auto _ : state) {
+    positions.col(2).array() += 1e-4;
+    benchmark::DoNotOptimize(kept.move(positions).cage.mesh.positions.data());
+  }
+}
+
 /// What OpenSubdiv itself needs for points and quads: topology, refinement, interpolation, the faces copied
 /// out.
 void BM_OpenSubdivAlone(benchmark::State& state) {
@@ -104,6 +115,7 @@ void BM_StepText(benchmark::State& state) {
 
 BENCHMARK(BM_OpenSubdivAlone)->Arg(2560)->Arg(10240)->Arg(40960)->Unit(benchmark::kMillisecond);
 BENCHMARK(BM_CatmullClark)->Arg(2560)->Arg(10240)->Arg(40960)->Unit(benchmark::kMillisecond);
+BENCHMARK(BM_CatmullClarkMove)->Arg(2560)->Arg(10240)->Arg(40960)->Unit(benchmark::kMillisecond);
 BENCHMARK(BM_Nuliss)->Arg(2560)->Arg(10240)->Unit(benchmark::kMillisecond);
 BENCHMARK(BM_Patches)->Arg(2560)->Arg(10240)->Unit(benchmark::kMillisecond);
 BENCHMARK(BM_StepText)->Arg(640)->Arg(2560)->Unit(benchmark::kMillisecond);

@@ -283,6 +283,29 @@ TEST(Subdivide, RefusesBadCagesInWords) {
   EXPECT_TRUE(mentions(message(cages::torus(100, 100), {.levels = 8}), "fewer levels"));
 }
 
+// Moving the vertices of a kept cage is subdividing the moved cage, bit for bit.
+TEST(Subdivide, MovesAKeptCageAsIfItWereNew) {
+  for (const SubdivisionScheme scheme : {SubdivisionScheme::CatmullClark, SubdivisionScheme::Nuliss}) {
+    ControlCage cage = cages::cube_with_sharp_edges();
+    const SubdivisionOptions options{.scheme = scheme, .levels = 2, .limit = true};
+    Subdivision kept(cage, options);
+    const Points before = kept.surface().cage.mesh.positions;
+    cage.mesh.positions.row(6) << 2, 3, 4;
+    kept.move(cage.mesh.positions);
+    const SubdividedSurface fresh = subdivide(cage, options);
+    EXPECT_EQ(kept.surface().cage.mesh.positions, fresh.cage.mesh.positions);
+    EXPECT_EQ(kept.surface().limit_positions, fresh.limit_positions);
+    EXPECT_EQ(kept.surface().limit_normals, fresh.limit_normals);
+    EXPECT_EQ(kept.surface().cage.mesh.corners, fresh.cage.mesh.corners);
+    EXPECT_NE(kept.surface().cage.mesh.positions, before);
+    Points bad = cage.mesh.positions;
+    bad(3, 0) = std::nan("");
+    EXPECT_THROW(kept.move(bad), InvalidInput);
+    EXPECT_THROW(kept.move(Points::Zero(7, 3)), InvalidInput);
+    EXPECT_EQ(kept.surface().cage.mesh.positions, fresh.cage.mesh.positions);
+  }
+}
+
 TEST(Subdivide, CanBeCancelled) {
   const Progress stop([](std::string_view, double) { return false; });
   for (const SubdivisionScheme scheme : {SubdivisionScheme::CatmullClark, SubdivisionScheme::Nuliss})

@@ -261,10 +261,20 @@ void copy_faces(const Far::TopologyRefiner& refiner, int levels, SubdividedSurfa
 
 }  // namespace
 
-void refine_catmull_clark(const ControlCage& cage, const CageTopology& topology,
-                          const SubdivisionOptions& options, SubdividedSurface& surface,
-                          const Progress& progress) {
-  const std::unique_ptr<Far::TopologyRefiner> refiner = refiner_of(cage, topology, options.smooth_corners);
+struct CatmullClark::Implementation {
+  std::unique_ptr<Far::TopologyRefiner> refiner;
+  int levels_wanted = 0;
+  int levels = 0;  // refined: more than wanted where the limit needs them
+  bool limit = false;
+};
+
+CatmullClark::CatmullClark(const ControlCage& cage, const CageTopology& topology,
+                           const SubdivisionOptions& options, const Progress& progress)
+    : implementation_(std::make_unique<Implementation>()) {
+  std::unique_ptr<Far::TopologyRefiner>& refiner = implementation_->refiner;
+  refiner = refiner_of(cage, topology, options.smooth_corners);
+  implementation_->levels_wanted = options.levels;
+  implementation_->limit = options.limit;
   // The limit masks hold for quads, and where no semi-sharp feature is left: further levels are made for
   // them.
   int levels = options.levels;
@@ -279,44 +289,58 @@ void refine_catmull_clark(const ControlCage& cage, const CageTopology& topology,
                                 " levels, which makes too many faces; lower the sharpness or set it to 10, ",
                                 "which is sharp for ever"));
   }
+  implementation_->levels = levels;
   Far::TopologyRefiner::UniformOptions uniform(levels);
   uniform.fullTopologyInLastLevel = options.limit;
   if (levels > 0) refiner->RefineUniform(uniform);
   progress.report("subdivide", 0.6);
-  Points coarse = cage.mesh.positions, fine, wanted;
-  if (options.levels == 0) wanted = coarse;
-  const Far::PrimvarRefinerReal<double> interpolation(*refiner);
+}
+
+CatmullClark::~CatmullClark() = default;
+
+void CatmullClark::copy_topology(const CageTopology& topology, SubdividedSurface& surface) const {
+  copy_faces(*implementation_->refiner, implementation_->levels_wanted, surface);
+  trace_edges(*implementation_->refiner, topology, implementation_->levels_wanted, surface);
+}
+
+void CatmullClark::interpolate(const Points& positions, SubdividedSurface& surface,
+                               const Progress& progress) const {
+  const Far::TopologyRefiner& refiner = *implementation_->refiner;
+  const int levels = implementation_->levels, levels_wanted = implementation_->levels_wanted;
+  Points coarse = positions, fine, wanted, limit_positions, limit_normals;
+  if (levels_wanted == 0) wanted = coarse;
+  const Far::PrimvarRefinerReal<double> interpolation(refiner);
   for (int k = 1; k <= levels; ++k) {
-    fine.resize(refiner->GetLevel(k).GetNumVertices(), 3);
+    fine.resize(refiner.GetLevel(k).GetNumVertices(), 3);
     const Rows source(coarse.data());
     Rows target(fine.data());
     interpolation.Interpolate(k, source, target);
     coarse.swap(fine);
-    if (k == options.levels && k < levels) wanted = coarse;
+    if (k == levels_wanted && k < levels) wanted = coarse;
     progress.report("subdivide", 0.6 + 0.4 * k / (levels + 1));
   }
-  if (options.limit) {
-    evaluate_limit(*refiner, coarse, surface.limit_positions, surface.limit_normals);
-    const Far::TopologyLevel& last = refiner->GetLevel(levels);
-    evaluate_darts(last, coarse, surface.limit_positions, surface.limit_normals);
-    average_normals(last, surface.limit_positions, surface.limit_normals);
-    if (options.levels < levels) {
-      const Far::TopologyLevel& level = refiner->GetLevel(options.levels);
-      Points positions(level.GetNumVertices(), 3), normals(level.GetNumVertices(), 3);
+  if (implementation_->limit) {
+    evaluate_limit(refiner, coarse, limit_positions, limit_normals);
+    const Far::TopologyLevel& last = refiner.GetLevel(levels);
+    evaluate_darts(last, coarse, limit_positions, limit_normals);
+    average_normals(last, limit_positions, limit_normals);
+    if (levels_wanted < levels) {
+      const Far::TopologyLevel& level = refiner.GetLevel(levels_wanted);
+      Points of_wanted(level.GetNumVertices(), 3), normals_of_wanted(level.GetNumVertices(), 3);
       for (int v = 0; v < level.GetNumVertices(); ++v) {
         int finest = v;
-        for (int k = options.levels; k < levels; ++k)
-          finest = refiner->GetLevel(k).GetVertexChildVertex(finest);
-        positions.row(v) = surface.limit_positions.row(finest);
-        normals.row(v) = surface.limit_normals.row(finest);
+        for (int k = levels_wanted; k < levels; ++k)
+          finest = refiner.GetLevel(k).GetVertexChildVertex(finest);
+        of_wanted.row(v) = limit_positions.row(finest);
+        normals_of_wanted.row(v) = limit_normals.row(finest);
       }
-      surface.limit_positions = std::move(positions);
-      surface.limit_normals = std::move(normals);
+      limit_positions.swap(of_wanted);
+      limit_normals.swap(normals_of_wanted);
     }
   }
-  copy_faces(*refiner, options.levels, surface);
-  trace_edges(*refiner, topology, options.levels, surface);
-  surface.cage.mesh.positions = std::move(options.levels < levels || levels == 0 ? wanted : coarse);
+  surface.limit_positions = std::move(limit_positions);
+  surface.limit_normals = std::move(limit_normals);
+  surface.cage.mesh.positions = std::move(levels_wanted < levels || levels == 0 ? wanted : coarse);
 }
 
 LimitCells limit_cells(const ControlCage& cage, const CageTopology& topology, int depth,
@@ -379,7 +403,7 @@ LimitCells limit_cells(const ControlCage& cage, const CageTopology& topology, in
   options.limit = true;
   options.smooth_corners = smooth_corners;
   SubdividedSurface surface;
-  refine_catmull_clark(cage, topology, options, surface, {});
+  CatmullClark(cage, topology, options, {}).interpolate(cage.mesh.positions, surface, {});
   result.vertex_positions = std::move(surface.limit_positions);
   result.vertex_normals = std::move(surface.limit_normals);
   return result;

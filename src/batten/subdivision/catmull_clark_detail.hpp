@@ -1,4 +1,5 @@
 #pragma once
+#include <memory>
 #include <vector>
 
 #include "batten/core/progress.hpp"
@@ -8,10 +9,22 @@
 // What the one source that uses OpenSubdiv offers. Private to the room.
 namespace batten::detail {
 
-/// Catmull–Clark refinement. Fills everything of the result but what is left sharp.
-void refine_catmull_clark(const ControlCage& cage, const CageTopology& topology,
-                          const SubdivisionOptions& options, SubdividedSurface& surface,
-                          const Progress& progress);
+/// Catmull–Clark refinement of one cage, kept for further positions of its vertices.
+class CatmullClark {
+ public:
+  CatmullClark(const ControlCage& cage, const CageTopology& topology, const SubdivisionOptions& options,
+               const Progress& progress);
+  ~CatmullClark();
+
+  /// Faces, parents and edge chains.
+  void copy_topology(const CageTopology& topology, SubdividedSurface& surface) const;
+  /// Positions, and the limit where the options ask for it. Changes nothing when it is cancelled.
+  void interpolate(const Points& positions, SubdividedSurface& surface, const Progress& progress) const;
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
 
 /// A bicubic piece of the limit surface of an all-quad cage: the cell of side 2^−depth at (u, v) of the unit
 /// square of a face, u from its corner 0 to 1, v from 0 to 3.

@@ -43,8 +43,15 @@ std::optional<std::string> SubdivisionOptions::problem() const {
   return std::nullopt;
 }
 
-SubdividedSurface subdivide(const ControlCage& cage, const SubdivisionOptions& options,
-                            const Progress& progress) {
+struct Subdivision::Implementation {
+  ControlCage cage;
+  SubdivisionOptions options;
+  std::unique_ptr<detail::CatmullClark> catmull_clark;  // with that scheme alone
+  SubdividedSurface surface;
+};
+
+Subdivision::Subdivision(const ControlCage& cage, const SubdivisionOptions& options, const Progress& progress)
+    : implementation_(std::make_unique<Implementation>()) {
   if (const auto problem = options.problem()) throw InvalidInput(*problem);
   progress.report("subdivide", 0);
   const double n_faces =
@@ -54,14 +61,55 @@ SubdividedSurface subdivide(const ControlCage& cage, const SubdivisionOptions& o
     throw InvalidInput(concat(options.levels, " levels would make ", n_faces,
                               " faces; take fewer levels, at most ", detail::kMostFaces, " faces are made"));
   const detail::CageTopology topology = detail::cage_topology(cage.mesh);
-  SubdividedSurface surface;
-  if (options.scheme == SubdivisionScheme::CatmullClark)
-    detail::refine_catmull_clark(cage, topology, options, surface, progress);
-  else
+  implementation_->cage = cage;
+  implementation_->options = options;
+  SubdividedSurface& surface = implementation_->surface;
+  if (options.scheme == SubdivisionScheme::CatmullClark) {
+    implementation_->catmull_clark =
+        std::make_unique<detail::CatmullClark>(cage, topology, options, progress);
+    implementation_->catmull_clark->interpolate(cage.mesh.positions, surface, progress);
+    implementation_->catmull_clark->copy_topology(topology, surface);
+  } else {
     detail::refine_interpolatory(cage, topology, options, surface, progress);
+  }
   keep_sharpness(cage, topology, options.levels, surface);
   progress.report("subdivide", 1);
-  return surface;
+}
+
+Subdivision::~Subdivision() = default;
+Subdivision::Subdivision(Subdivision&&) noexcept = default;
+Subdivision& Subdivision::operator=(Subdivision&&) noexcept = default;
+
+const SubdividedSurface& Subdivision::surface() const {
+  return implementation_->surface;
+}
+
+SubdividedSurface Subdivision::release() {
+  return std::move(implementation_->surface);
+}
+
+const SubdividedSurface& Subdivision::move(const Points& positions, const Progress& progress) {
+  Implementation& kept = *implementation_;
+  if (positions.rows() != kept.cage.mesh.positions.rows())
+    throw InvalidInput(concat("the cage has ", kept.cage.mesh.positions.rows(), " vertices, but ",
+                              positions.rows(), " positions were given"));
+  for (Eigen::Index v = 0; v < positions.rows(); ++v)
+    if (!positions.row(v).allFinite())
+      throw InvalidInput(concat("vertex ", v, " has a coordinate that is not finite; correct it"));
+  if (kept.catmull_clark) {
+    kept.catmull_clark->interpolate(positions, kept.surface, progress);
+    kept.cage.mesh.positions = positions;
+  } else {  // the rules depend on the lengths of edges
+    ControlCage cage = kept.cage;
+    cage.mesh.positions = positions;
+    *this = Subdivision(cage, kept.options, progress);
+  }
+  return implementation_->surface;
+}
+
+SubdividedSurface subdivide(const ControlCage& cage, const SubdivisionOptions& options,
+                            const Progress& progress) {
+  return Subdivision(cage, options, progress).release();
 }
 
 }  // namespace batten

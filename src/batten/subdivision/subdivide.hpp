@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -57,5 +58,29 @@ struct SubdividedSurface {
 /// @throws InvalidInput naming face, edge or vertex and the remedy; Cancelled.
 SubdividedSurface subdivide(const ControlCage& cage, const SubdivisionOptions& options = {},
                             const Progress& progress = {});
+
+/// The same, kept for further positions of the vertices of the same cage.
+class Subdivision {
+ public:
+  /// Does what subdivide() does and keeps what does not depend on positions.
+  Subdivision(const ControlCage& cage, const SubdivisionOptions& options = {}, const Progress& progress = {});
+  ~Subdivision();
+  Subdivision(Subdivision&&) noexcept;
+  Subdivision& operator=(Subdivision&&) noexcept;
+
+  const SubdividedSurface& surface() const;
+  /// Gives the surface away; nothing else may be asked afterwards.
+  SubdividedSurface release();
+
+  /// Refines again. With Catmull–Clark only positions are computed, in a fifth of the time or less; the other
+  /// schemes, whose rules depend on the lengths of edges, begin anew.
+  /// @param positions n × 3, as in the cage. @throws InvalidInput on other sizes, numbers that are not finite
+  /// and polylines that no longer begin at their vertices; Cancelled. The surface is then as before.
+  const SubdividedSurface& move(const Points& positions, const Progress& progress = {});
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
 
 }  // namespace batten
