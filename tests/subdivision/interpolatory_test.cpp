@@ -116,6 +116,54 @@ TEST(Nuliss, HasATangentPlaneAtExtraordinaryVertices) {
   }
 }
 
+/// The first points along the spokes of a star after so many levels, seen from its middle.
+Points first_on_spokes(const ControlCage& cage, int n, int rings, int levels) {
+  const SubdividedSurface surface =
+      subdivide(cage, {.scheme = SubdivisionScheme::Nuliss, .levels = levels, .knot_exponent = 0});
+  Points first(n, 3);
+  for (size_t e = 0; e < surface.cage_edges.size(); ++e) {
+    const auto& [a, b] = surface.cage_edges[e];
+    if (a != 0 && b != 0) continue;
+    const Eigen::Index k = a == 0 ? 1 : surface.edge_chains.cols() - 2;
+    first.row((a + b - 1) / (rings * (rings + 1))) =
+        surface.cage.mesh.positions.row(surface.edge_chains(static_cast<Eigen::Index>(e), k)) -
+        surface.cage.mesh.positions.row(0);
+  }
+  return first;
+}
+
+// The eigenvalues of docs/subdivide.md, seen in the Fourier modes of the spokes: what is linear around the
+// vertex (mode 1) is halved at every level, everything else is quartered (from level 4 to 5 with a factor of
+// 5/4, as these eigenvalues are double).
+TEST(Nuliss, HalvesTheLinearPartAndQuartersTheRestAtEveryValence) {
+  for (const int n : {3, 5, 6, 7, 10}) {
+    Random random(static_cast<std::uint64_t>(100 + n));
+    const ControlCage cage = cages::star(n, 2, [&](double x, double y) {
+      return Row(x + 0.2 * random.normal(), y + 0.2 * random.normal(), 0.3 * random.normal());
+    });
+    const Points coarse = first_on_spokes(cage, n, 2, 4), fine = first_on_spokes(cage, n, 2, 5);
+    for (int mode = 0; 2 * mode <= n; ++mode) {
+      double before = 0, after = 0;
+      for (const bool sine : {false, true}) {
+        Row of_coarse = Row::Zero(), of_fine = Row::Zero();
+        for (int j = 0; j < n; ++j) {
+          const double angle = 2 * kPi * mode * j / n, weight = sine ? std::sin(angle) : std::cos(angle);
+          of_coarse += weight * coarse.row(j);
+          of_fine += weight * fine.row(j);
+        }
+        before += of_coarse.squaredNorm();
+        after += of_fine.squaredNorm();
+      }
+      const double ratio = std::sqrt(after / before);
+      if (mode == 1) {
+        EXPECT_NEAR(ratio, 0.5, 0.01) << "valence " << n;
+      } else {
+        EXPECT_LT(ratio, 0.36) << "valence " << n << ", mode " << mode;
+      }
+    }
+  }
+}
+
 /// The largest angle between two quads that share a side near vertex 0.
 double largest_fold(const SubdividedSurface& surface, double radius) {
   const PolygonMesh& mesh = surface.cage.mesh;
