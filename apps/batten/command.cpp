@@ -161,6 +161,7 @@ int run(int argc, char** argv) {
   add_network(app);
   add_surface(app);
   add_reconstruct(app);
+  add_subdivide(app);
   add_compare(app);
   add_convert(app);
   add_render(app);

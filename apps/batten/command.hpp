@@ -64,6 +64,7 @@ void add_reconstruct(CLI::App& app);
 void add_compare(CLI::App& app);
 void add_convert(CLI::App& app);
 void add_render(CLI::App& app);
+void add_subdivide(CLI::App& app);
 void add_info(CLI::App& app);
 void add_fair(CLI::App& app);
 void add_remesh(CLI::App& app);
