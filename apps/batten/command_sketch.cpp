@@ -1,0 +1,152 @@
+#include "command.hpp"
+
+#include <algorithm>
+#include <memory>
+
+#include "batten/core/error.hpp"
+#include "batten/core/text.hpp"
+#include "batten/io/file.hpp"
+#include "batten/session/edit_json.hpp"
+#include "batten/session/journal.hpp"
+#include "batten/session/project.hpp"
+
+namespace batten::cli {
+
+namespace {
+
+struct SketchArguments {
+  std::string session, output;
+  bool strict = false;
+};
+
+std::string id(char kind, int number) {
+  return kind + std::to_string(number);
+}
+
+Json ids(char kind, const std::vector<int>& numbers) {
+  Json list = Json::array();
+  for (const int number : numbers) list.push_back(id(kind, number));
+  return list;
+}
+
+/// The model with the ids of everything, for scripts that go on from here.
+void describe(const PolylineMesh& mesh, Json& figures) {
+  const SketchCounts counts = mesh.counts();
+  figures["curves"] = counts.curves;
+  figures["vertices"] = counts.vertices;
+  figures["edges"] = counts.edges;
+  figures["faces"] = counts.faces;
+  figures["components"] = counts.components;
+  figures["boundary_loops"] = counts.boundary_loops;
+  figures["genus"] = counts.genus;
+  figures["euler_characteristic"] = counts.euler_characteristic();
+  std::vector<Json> curves(static_cast<size_t>(mesh.n_curves()));
+  for (const SketchEdge& edge : mesh.edges()) {
+    if (!edge.alive) continue;
+    Json& curve = curves[static_cast<size_t>(edge.curve)];
+    if (curve.is_null())
+      curve = {{"id", id('c', edge.curve)}, {"length", 0.0}, {"sharpness", edge.sharpness}, {"drawn", edge.drawn},
+               {"edges", Json::array()}};
+    curve["length"] = curve["length"].get<double>() + edge.polyline->length();
+    curve["edges"].push_back({id('v', edge.vertices[0]), id('v', edge.vertices[1])});
+  }
+  figures["curve_list"] = Json::array();
+  for (Json& curve : curves)
+    if (!curve.is_null()) figures["curve_list"].push_back(std::move(curve));
+  figures["vertex_list"] = Json::array();
+  for (size_t v = 0; v < mesh.vertices().size(); ++v) {
+    const SketchVertex& vertex = mesh.vertices()[v];
+    if (vertex.alive)
+      figures["vertex_list"].push_back({{"id", id('v', static_cast<int>(v))},
+                                        {"position", {vertex.position.x(), vertex.position.y(), vertex.position.z()}}});
+  }
+  figures["face_list"] = Json::array();
+  for (size_t f = 0; f < mesh.faces().size(); ++f) {
+    if (!mesh.faces()[f].alive) continue;
+    std::vector<int> corners;
+    for (const int side : mesh.faces()[f].sides) corners.push_back(mesh.start_of(side));
+    figures["face_list"].push_back({{"id", id('f', static_cast<int>(f))}, {"corners", ids('v', corners)}});
+  }
+}
+
+/// Plays a session; refused edits are told and passed over.
+void play(const Session& session, const std::string& path, Project& project, Context& context, Outcome& outcome) {
+  project.unit = session.unit;
+  Json edits = Json::array(), refused = Json::array();
+  for (size_t k = 0; k < session.edits.size(); ++k) {
+    context.progress.report("edits", static_cast<double>(k) / static_cast<double>(session.edits.size()));
+    const SessionEdit& edit = session.edits[k];
+    const std::string op = name_of_op(edit.edit);
+    try {
+      const EditOutcome done = project.document.apply(edit.edit);
+      edits.push_back({{"line", edit.line}, {"op", op}, {"curves", ids('c', done.report.curves)},
+                       {"vertices", ids('v', done.vertices)}});
+      for (const std::string& remark : done.report.remarks) {
+        edits.back()["remarks"].push_back(remark);
+        outcome.lines.push_back(concat("line ", edit.line, ": ", remark));
+      }
+    } catch (const RefusedEdit& refusal) {
+      refused.push_back({{"line", edit.line}, {"op", op}, {"reason", refusal.reason()}, {"remedy", refusal.remedy()}});
+      outcome.lines.push_back(concat("line ", edit.line, ": ", op, " refused: ", refusal.what()));
+    }
+  }
+  if (session.torn)
+    outcome.warnings.push_back(concat(path, ":", session.torn_line,
+                                      ": the last line is not finished; the edit that was being written is lost"));
+  outcome.figures["edits_done"] = edits.size();
+  outcome.figures["edits_refused"] = refused.size();
+  outcome.figures["edits"] = std::move(edits);
+  outcome.figures["refused"] = std::move(refused);
+}
+
+Outcome run_sketch(const SketchArguments& arguments, Context& context) {
+  if (file_extension(arguments.output) != "batten")
+    throw FileError(arguments.output, 0, "the output is a project; its extension must be .batten");
+  Outcome outcome;
+  Project project;
+  if (file_extension(arguments.session) == "batten") {
+    const ScopedStage stage(outcome.times, "read");
+    project = read_project(arguments.session, &outcome.warnings);
+    outcome.figures["refused"] = Json::array();
+  } else {
+    Session session;
+    {
+      const ScopedStage stage(outcome.times, "read");
+      session = read_session(arguments.session);
+    }
+    const ScopedStage stage(outcome.times, "edits");
+    play(session, arguments.session, project, context, outcome);
+  }
+  const PolylineMesh& mesh = project.document.mesh();
+  outcome.figures["unit"] = project.unit;
+  describe(mesh, outcome.figures);
+  {
+    const ScopedStage stage(outcome.times, "write");
+    write_project(arguments.output, project);
+  }
+  const SketchCounts counts = mesh.counts();
+  outcome.lines.push_back(concat(arguments.output, ": ", counts.curves, " curves, ", counts.vertices, " vertices, ",
+                                 counts.faces, " faces, ", counts.components, " component", counts.components == 1 ? "" : "s",
+                                 ", ", counts.boundary_loops, " border", counts.boundary_loops == 1 ? "" : "s", ", genus ",
+                                 counts.genus));
+  const auto n_refused = outcome.figures["refused"].size();
+  if (arguments.strict && n_refused > 0)
+    outcome.failure = concat(n_refused, " edit", n_refused == 1 ? " was" : "s were", " refused, the first in line ",
+                             outcome.figures["refused"][0]["line"].get<long>(), ": ",
+                             outcome.figures["refused"][0]["reason"].get<std::string>());
+  return outcome;
+}
+
+}  // namespace
+
+void add_sketch(CLI::App& app) {
+  const auto arguments = std::make_shared<SketchArguments>();
+  CLI::App* command = add_command(app, "sketch", "Play a recorded sketching session into a model of curves and faces.",
+                                  "batten sketch session.jsonl -o model.batten --json",
+                                  [arguments](Context& context) { return run_sketch(*arguments, context); });
+  command->add_option("session", arguments->session, "Session (JSON lines), or a project (.batten)")->required();
+  command->add_option("-o,--output", arguments->output, "Project to write: .batten")->required();
+  command->add_flag("--strict", arguments->strict, "Exit with 1 when an edit was refused");
+}
+
+}  // namespace batten::cli
