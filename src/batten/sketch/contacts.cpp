@@ -1,6 +1,9 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
+
+#include <Eigen/Geometry>
 
 #include "batten/core/text.hpp"
 #include "batten/mesh/distance.hpp"
@@ -48,6 +51,24 @@ struct Hit {
   double edge_arc;
   double distance;
 };
+
+/// The same line with segments of at most `step` (and at most 20,000 of them): where a stroke runs along a
+/// curve, the nearest places of each segment then show it.
+Polyline finely_divided(const Points& points, double step) {
+  double length = 0;
+  for (Index i = 1; i < points.rows(); ++i) length += (points.row(i) - points.row(i - 1)).norm();
+  step = std::max(step, length / 20000);
+  std::vector<Vector3d> fine{points.row(0)};
+  for (Index i = 1; i < points.rows(); ++i) {
+    const Vector3d a = points.row(i - 1), b = points.row(i);
+    const int parts = std::max(1, static_cast<int>(std::ceil((b - a).norm() / step)));
+    for (int k = 1; k < parts; ++k) fine.emplace_back(a + (b - a) * k / parts);
+    fine.push_back(b);
+  }
+  Points rows(static_cast<Index>(fine.size()), 3);
+  for (size_t i = 0; i < fine.size(); ++i) rows.row(static_cast<Index>(i)) = fine[i].transpose();
+  return Polyline(std::move(rows));
+}
 
 /// All pairs of segments of stroke and model within `snap`.
 std::vector<Hit> find_hits(const PolylineMesh& mesh, const Polyline& line, double snap) {
@@ -132,7 +153,7 @@ std::vector<Contact> find_contacts(const PolylineMesh& mesh, const Stroke& strok
     points.conservativeResize(points.rows() + 1, 3);
     points.row(points.rows() - 1) = stroke.points.row(0);
   }
-  const Polyline line(std::move(points));
+  const Polyline line = finely_divided(points, snap);
   std::vector<Hit> hits = find_hits(mesh, line, snap);
 
   // Runs of hits on one edge; each has one place where it comes nearest.

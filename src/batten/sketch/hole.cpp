@@ -2,6 +2,8 @@
 #include <cmath>
 #include <limits>
 
+#include <Eigen/Geometry>
+
 #include "batten/core/text.hpp"
 #include "batten/core/units.hpp"
 #include "batten/sketch/tools_detail.hpp"
@@ -180,6 +182,15 @@ EditReport cut_hole(PolylineMesh& mesh, const DrawnStroke& drawn, const InsertOp
   const auto contacts = detail::find_contacts(mesh, stroke, snap);
   if (contacts.empty()) return hole_in_face(mesh, stroke, snap, options.sharpness);
 
+  for (const detail::Contact& contact : contacts) {
+    std::vector<int> edges{contact.edge};
+    if (contact.vertex >= 0) edges = mesh.vertex(contact.vertex).edges;
+    for (const int e : edges)
+      if (mesh.edge(e).faces[0] < 0 || mesh.edge(e).faces[1] < 0)
+        throw RefusedEdit(concat("the hole comes within ", detail::text_of_length(contact.distance), " of the border, c",
+                                 mesh.edge(e).curve),
+                          "keep the hole clear of borders, or use a smaller snapping distance");
+  }
   InsertOptions inside = options;
   inside.into = Into::Face;
   int curve = -1;

@@ -2,6 +2,8 @@
 #include <cmath>
 #include <limits>
 
+#include <Eigen/Geometry>
+
 #include "batten/core/text.hpp"
 #include "batten/core/units.hpp"
 #include "batten/sketch/tools_detail.hpp"
@@ -61,6 +63,30 @@ double misfit(const PolylineMesh& mesh, const std::vector<int>& walk, int vertex
   return outside;
 }
 
+/// How far a direction turns away from the middle of a walk, in radians: where border and stroke leave it open
+/// which side is meant, the side that the stroke heads for.
+double off_course(const PolylineMesh& mesh, const std::vector<int>& walk, int vertex, const Vector3d& direction) {
+  return angle(direction, face_fan(mesh, walk).centre - mesh.vertex(vertex).position);
+}
+
+/// Whether a stroke without a common face heads rather for the faces at its ends than for the opening: then it
+/// has missed a curve and is no lid.
+bool heads_for_faces(const PolylineMesh& mesh, const Walkway& opening, int from, int to, const Vector3d& leaving,
+                     const Vector3d& arriving) {
+  double into_opening = 0, into_faces = 0;
+  for (const auto& [vertex, direction] : {std::pair(from, leaving), std::pair(to, arriving)}) {
+    into_opening += misfit(mesh, opening.walk, vertex, direction) + off_course(mesh, opening.walk, vertex, direction);
+    double least = std::numeric_limits<double>::infinity();
+    for (const int e : mesh.vertex(vertex).edges)
+      for (const int face : mesh.edge(e).faces)
+        if (face >= 0)
+          least = std::min(least, misfit(mesh, mesh.face(face).sides, vertex, direction) +
+                                      off_course(mesh, mesh.face(face).sides, vertex, direction));
+    into_faces += least;
+  }
+  return into_faces <= into_opening + 0.3;
+}
+
 /// The curve that a piece passes although it does not touch it, for the sentence of a refusal.
 [[noreturn]] void refuse_piece(const PolylineMesh& mesh, const std::vector<Points>& piece, int from, int to,
                                double snap, Into into) {
@@ -84,7 +110,8 @@ double misfit(const PolylineMesh& mesh, const std::vector<int>& walk, int vertex
       concat(where, ": it passes c", mesh.edge(passed.edge).curve, " at a distance of ", distance,
              passed.distance > snap ? concat(", more than the snapping distance of ", text_of_length(snap)) : ""),
       concat("draw it through c", mesh.edge(passed.edge).curve, ", or give a snap of ",
-             text_of_length(1.05 * std::max(passed.distance, snap)), " or more"));
+             text_of_length(1.05 * std::max(passed.distance, snap)),
+             " or more; to close the opening instead, give \"into\": \"opening\""));
 }
 
 void refuse_end(const PolylineMesh& mesh, const Vector3d& end, const char* verb, double snap) {
@@ -258,6 +285,10 @@ EditReport insert_ready(PolylineMesh& mesh, const Stroke& stroke, const std::vec
         best = &way;
       }
     }
+    const bool common_face = std::any_of(ways.begin(), ways.end(), [](const Walkway& way) { return way.face >= 0; });
+    if (best && best->face < 0 && !common_face && options.into == Into::Auto &&
+        heads_for_faces(mesh, *best, from, to, leaving, arriving))
+      best = nullptr;
     if (!best) refuse_piece(mesh, parts, from, to, snap, options.into);
     const std::vector<int> chain = add_piece(mesh, drawn, piece, options.sharpness);
     if (best->face >= 0) {

@@ -1,4 +1,5 @@
 #include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 
 #include "batten/core/text.hpp"
 #include "batten/sketch/tools_detail.hpp"

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <limits>
 
 #include "batten/core/text.hpp"
 #include "batten/sketch/tools_detail.hpp"

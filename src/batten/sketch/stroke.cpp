@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 
 #include "batten/core/text.hpp"
@@ -17,7 +18,8 @@ using Eigen::Vector3d;
 
 constexpr Index kMostSamples = 1000;
 constexpr double kWindow = 0.02;      // of the length: how far a corner looks to either side
-constexpr double kChordError = 2e-5;  // of the length
+constexpr double kChordError = 1e-5;  // of the length
+constexpr double kFitError = 5e-6;    // of the length; of strokes without noise
 
 double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -352,7 +354,7 @@ Stroke prepare_stroke(const Points& points, const StrokeOptions& options) {
 FittedStroke fit_stroke(const Stroke& stroke, const std::vector<HeldPoint>& held) {
   const std::vector<double> arcs = stroke.arcs();
   const double length = arcs.back();
-  const double tolerance = std::max(0.8 * stroke.noise, kChordError * length);
+  const double tolerance = std::max(0.8 * stroke.noise, kFitError * length);
   FittedStroke result;
   result.corner_positions.resize(static_cast<Index>(stroke.corners.size()), 3);
 

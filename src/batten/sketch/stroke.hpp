@@ -71,7 +71,7 @@ struct FittedStroke {
 
 /// Weighted constrained least-squares cubic B-splines from corner to corner (H 5.2.1): weights are the share of
 /// the length that a sample stands for, the held points are kept exactly, and the number of spans doubles
-/// until the rest is no more than the noise. Sampled finely enough that chords stay within 2e-5 of the length.
+/// until the rest is no more than the noise. Sampled finely enough that chords stay within 1e-5 of the length.
 /// @param held increasing in arc. Open strokes: the first at 0 and the last at the length. Closed strokes
 /// without corners: at least one.
 FittedStroke fit_stroke(const Stroke& stroke, const std::vector<HeldPoint>& held);

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
 #include "batten/core/text.hpp"
 #include "batten/sketch/tools_detail.hpp"
 
