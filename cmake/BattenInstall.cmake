@@ -19,7 +19,8 @@ configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/battenConfig.cmake.in
                               INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/batten)
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/battenConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/battenConfig.cmake ${PROJECT_BINARY_DIR}/battenConfigVersion.cmake
-              ${PROJECT_SOURCE_DIR}/cmake/FindCHOLMOD.cmake
+              ${PROJECT_SOURCE_DIR}/cmake/FindCHOLMOD.cmake ${PROJECT_SOURCE_DIR}/cmake/FindOpenSubdiv.cmake
+              ${PROJECT_SOURCE_DIR}/cmake/FindOpenCascade.cmake
         DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/batten)
 if(TARGET batten_program)
   install(TARGETS batten_program DESTINATION ${CMAKE_INSTALL_BINDIR})

@@ -162,10 +162,12 @@ int run(int argc, char** argv) {
   add_surface(app);
   add_sketch(app);
   add_reconstruct(app);
+  add_subdivide(app);
   add_compare(app);
   add_convert(app);
   add_render(app);
   add_info(app);
+  add_simplify(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& request) {  // --help, --version

@@ -66,6 +66,8 @@ void add_reconstruct(CLI::App& app);
 void add_compare(CLI::App& app);
 void add_convert(CLI::App& app);
 void add_render(CLI::App& app);
+void add_subdivide(CLI::App& app);
 void add_info(CLI::App& app);
+void add_simplify(CLI::App& app);
 
 }  // namespace batten::cli

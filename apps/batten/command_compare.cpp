@@ -1,6 +1,8 @@
 #include "command.hpp"
 #include "model_file.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <memory>
 #include <string>
 
@@ -9,7 +11,9 @@
 #include "batten/core/units.hpp"
 #include "batten/io/file.hpp"
 #include "batten/io/mesh_io.hpp"
+#include "batten/mesh/adjacency.hpp"
 #include "batten/mesh/compare.hpp"
+#include "batten/operators/mesh_variation.hpp"
 
 namespace batten::cli {
 
@@ -36,6 +40,27 @@ Json directed_json(const DirectedComparison& side, double divisor) {
   json["vertices"] = figures_json(side.vertices, divisor);
   json["samples"] = figures_json(side.samples, divisor);
   return json;
+}
+
+/// Null where one of the shapes is a network.
+Json normals_json(const DistanceFigures& angles) {
+  if (angles.count == 0) return nullptr;
+  return {
+      {"max_deg", degrees(angles.max)}, {"mean_deg", degrees(angles.mean)}, {"rms_deg", degrees(angles.rms)}};
+}
+
+/// What of (2.50), (2.51) and Table 2.3 of H can be measured; null where a mesh is no oriented manifold.
+Json variation_json(const TriangleMesh& original, const Points& positions, const TriangleMesh& mesh) {
+  for (const TriangleMesh* one : {&original, &mesh}) {
+    const MeshTopology topology = mesh_topology(one->triangles, one->n_vertices());
+    if (one->n_triangles() == 0 || !topology.is_manifold() || !topology.is_oriented()) return nullptr;
+  }
+  const MeshVariation v = mesh_variation(original.positions, original.triangles, positions, mesh.triangles);
+  const auto known = [](double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); };
+  return {{"mean_curvature", known(v.mean_curvature)},
+          {"edge_variance", known(v.edge_variance)},
+          {"area_variance", known(v.area_variance)},
+          {"curvature_variance", known(v.curvature_variance)}};
 }
 
 Json registration_json(const std::string& kind, const Registration& registration) {
@@ -103,6 +128,15 @@ Outcome run_compare(const CompareArguments& arguments, Context& context) {
   figures["b_to_a"] = directed_json(found.b_to_a, 1);
   figures["relative"] = {{"a_to_b", directed_json(found.a_to_b, found.diameter)},
                          {"b_to_a", directed_json(found.b_to_a, found.diameter)}};
+  figures["hausdorff"] = std::max({found.a_to_b.samples.max, found.a_to_b.vertices.max,
+                                   found.b_to_a.samples.max, found.b_to_a.vertices.max});
+  figures["normals"] = {{"a_to_b", normals_json(found.a_to_b.normal_angles)},
+                        {"b_to_a", normals_json(found.b_to_a.normal_angles)}};
+  figures["variation"] = nullptr;
+  if (a.mesh && b.mesh) {
+    const ScopedStage stage(outcome.times, "variation");
+    figures["variation"] = variation_json(*b.mesh, found.registration.transform(a.mesh->positions), *a.mesh);
+  }
   figures["samples"] = options.samples;
 
   outcome.lines.push_back(
@@ -111,6 +145,9 @@ Outcome run_compare(const CompareArguments& arguments, Context& context) {
   outcome.lines.push_back(line_of("A to B", "samples ", found.a_to_b.samples, found.diameter));
   outcome.lines.push_back(line_of("B to A", "vertices", found.b_to_a.vertices, found.diameter));
   outcome.lines.push_back(line_of("B to A", "samples ", found.b_to_a.samples, found.diameter));
+  if (found.a_to_b.normal_angles.count > 0)
+    outcome.lines.push_back(concat("  normals  A to B mean ", degrees(found.a_to_b.normal_angles.mean),
+                                   " degrees, B to A ", degrees(found.b_to_a.normal_angles.mean)));
   if (options.registration != RegistrationKind::None) {
     const SimilarityTransform& t = found.registration.transform;
     outcome.lines.push_back(concat("A was turned by ", degrees(t.angle()), " degrees, scaled by ", t.scale,

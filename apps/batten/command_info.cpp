@@ -18,6 +18,7 @@
 #include "batten/mesh/quality.hpp"
 #include "batten/mesh/self_intersections.hpp"
 #include "batten/network/diagnosis.hpp"
+#include "batten/operators/mesh_variation.hpp"
 
 namespace batten::cli {
 
@@ -96,13 +97,17 @@ void add_mesh(const TriangleMesh& mesh, Outcome& outcome) {
     f["quality"] = {{"min_angle_deg", degrees(quality.min_angle)},
                     {"mean_min_angle_deg", degrees(quality.mean_min_angle)},
                     {"max_angle_deg", degrees(quality.max_angle)},
+                    {"slivers", quality.slivers},
+                    {"regular_vertices", regular_share(mesh.triangles, mesh.n_vertices())},
+                    {"area_variance", finite(area_variance(mesh.positions, mesh.triangles))},
                     {"mean_aspect", finite(quality.mean_aspect)},
                     {"max_aspect", finite(quality.max_aspect)},
                     {"min_edge", quality.min_edge},
                     {"mean_edge", quality.mean_edge},
                     {"max_edge", quality.max_edge}};
     outcome.lines.push_back(concat("angles ", degrees(quality.min_angle), " to ", degrees(quality.max_angle),
-                                   " degrees, mean smallest ", degrees(quality.mean_min_angle)));
+                                   " degrees, mean smallest ", degrees(quality.mean_min_angle), ", ",
+                                   100 * quality.slivers, " % of the faces below 20 degrees"));
     outcome.lines.push_back(
         concat("edges ", quality.min_edge, " to ", quality.max_edge, ", mean ", quality.mean_edge));
   }

@@ -2,12 +2,14 @@
 
 #include "mesh/shapes.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 #include "batten/core/error.hpp"
+#include "batten/core/units.hpp"
 
 namespace batten {
 namespace {
@@ -41,6 +43,40 @@ TEST(Compare, MeasuresBothDirections) {
   EXPECT_EQ(found.a_to_b.vertices.max, std::sqrt(2.0));
   EXPECT_NEAR(found.a_to_b.samples.rms, std::sqrt(1 + 1.0 / 6), 2e-3);
   EXPECT_EQ(found.a_to_b.vertex_distances.size(), wide.positions.rows());
+}
+
+// A square and the same turned about one of its sides by 30°: every pair of normals is 30° apart. Turned
+// inside out, 150°. Curves have no normals.
+TEST(Compare, MeasuresTheAngleBetweenNormals) {
+  const auto tilted = [](double angle) {
+    return fixtures::grid(6, 6, false, false, [=](double u, double v) {
+      return Eigen::Vector3d(u * std::cos(angle), v, u * std::sin(angle));
+    });
+  };
+  const Shape flat = tilted(0);
+  Shape turned = tilted(kPi / 6);
+  const CompareOptions few{.samples = 1000};
+  for (const DirectedComparison& side :
+       {compare(flat, turned, few).a_to_b, compare(flat, turned, few).b_to_a}) {
+    EXPECT_EQ(side.normal_angles.count, 1000);
+    EXPECT_NEAR(side.normal_angles.max, kPi / 6, 1e-12);
+    EXPECT_NEAR(side.normal_angles.mean, kPi / 6, 1e-12);
+    EXPECT_NEAR(side.normal_angles.rms, kPi / 6, 1e-12);
+  }
+  turned.triangles.col(0).swap(turned.triangles.col(1));
+  EXPECT_NEAR(compare(flat, turned, few).a_to_b.normal_angles.mean, 5 * kPi / 6, 1e-12);
+  EXPECT_EQ(compare(flat, fixtures::knot(100), few).a_to_b.normal_angles.count, 0);
+}
+
+// A piece of slope 1 over a quarter of the width: its normals are 45° from the plane's. By area, seen from
+// it, √2/4 of √2/4 + 3/4.
+TEST(Compare, WeighsNormalsByArea) {
+  const Shape flat =
+      fixtures::grid(4, 4, false, false, [](double u, double v) { return Eigen::Vector3d(u, v, 0); });
+  const Shape ramp = fixtures::grid(
+      4, 4, false, false, [](double u, double v) { return Eigen::Vector3d(u, v, std::max(u - 0.75, 0.0)); });
+  const double share = std::sqrt(2.0) / 4 / (std::sqrt(2.0) / 4 + 0.75);
+  EXPECT_NEAR(compare(ramp, flat, {.samples = 50000}).a_to_b.normal_angles.mean, share * kPi / 4, 0.005);
 }
 
 // Swapping the shapes swaps the vertex figures exactly; samples are other random points.

@@ -39,6 +39,32 @@ TEST(MeshQuality, IsExactOnKnownTriangles) {
   EXPECT_EQ(mesh_quality(Points(0, 3), Triangles(0, 3)).worst_triangle, -1);
 }
 
+// Triangles of apex 18° and 22° over one side, and two of 45°: one of four has an angle below 20°.
+TEST(MeshQuality, CountsSlivers) {
+  const auto apex = [](double angle) { return 0.5 / std::tan(radians(angle) / 2); };
+  Points positions(6, 3);
+  positions << 0, 0, 0, 1, 0, 0, 0.5, apex(18), 0, 0.5, apex(22), 0, 0, 1, 0, 1, 1, 0;
+  Triangles triangles(4, 3);
+  triangles << 0, 1, 2, 0, 1, 3, 0, 1, 4, 1, 5, 4;
+  EXPECT_EQ(mesh_quality(positions, triangles).slivers, 0.25);
+}
+
+// The grid's inner vertices all have six edges. Turning one diagonal between inner vertices gives two of
+// them five edges and two seven: four of the 4 × 4 inside a grid of 5 × 5 cells.
+TEST(RegularShare, CountsInnerVerticesOfSixEdges) {
+  Shape shape =
+      fixtures::grid(5, 5, false, false, [](double u, double v) { return Eigen::Vector3d(u, v, 0); });
+  EXPECT_EQ(regular_share(shape.triangles, shape.positions.rows()), 1);
+  const int cell = 2 * (2 * 5 + 2);  // cell (2, 2) of 5 × 5: its corners are (2, 2) to (3, 3) of 4 × 4 inside
+  const int a = shape.triangles(cell, 0), b = shape.triangles(cell, 1), c = shape.triangles(cell, 2),
+            d = shape.triangles(cell + 1, 2);
+  shape.triangles.row(cell) << a, b, d;
+  shape.triangles.row(cell + 1) << b, c, d;
+  EXPECT_EQ(regular_share(shape.triangles, shape.positions.rows()), 12.0 / 16);
+  EXPECT_EQ(regular_share(Triangles(0, 3), 0), 0);
+  EXPECT_EQ(regular_share(kOne, 3), 0);
+}
+
 TEST(DegenerateTriangles, AreFoundByShapeNotBySize) {
   const Points thin = (Points(3, 3) << 0, 0, 0, 1, 0, 0, 0.5, 1e-10, 0).finished();
   EXPECT_EQ(degenerate_triangles(thin, kOne).size(), 1u);

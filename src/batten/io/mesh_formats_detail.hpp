@@ -17,6 +17,17 @@ struct RawMesh {
   std::map<std::string, Eigen::VectorXd> vertex_values;
   std::vector<std::string> warnings;
   long n_short_faces = 0;  // with one or two corners, left out
+  // OBJ alone: `l` and `t` statements, for those who read cages.
+  struct Polyline {
+    std::vector<int> vertices;
+    long line = 0;
+  };
+  struct Tag {
+    std::string text;  // without the `t`
+    long line = 0;
+  };
+  std::vector<Polyline> polylines;
+  std::vector<Tag> tags;
 };
 
 /// One corner list; shorter ones than three are counted and left out.
@@ -26,6 +37,9 @@ RawMesh parse_ply(std::string_view content, const std::string& path);
 RawMesh parse_obj_mesh(std::string content, const std::string& path);
 RawMesh parse_off(std::string content, const std::string& path);
 RawMesh parse_stl(std::string content, const std::string& path);
+
+/// The mesh of a file of any format, told by content and extension; `told` gets what differs between both.
+RawMesh parse_raw_mesh(std::string content, const std::string& path, std::vector<std::string>& told);
 
 /// Polygons split, normals of unit length, everything told in warnings.
 TriangleMesh finished_mesh(RawMesh&& raw, const std::string& path, std::vector<std::string>* warnings);

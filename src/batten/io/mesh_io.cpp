@@ -138,6 +138,11 @@ TriangleMesh finished_mesh(RawMesh&& raw, const std::string& path, std::vector<s
   }
   if (raw.n_short_faces > 0)
     told.push_back(concat(raw.n_short_faces, " faces with fewer than three corners were left out"));
+  if (!raw.polylines.empty())
+    told.push_back(concat(raw.polylines.size(), " polylines beside the faces were left out"));
+  if (!raw.tags.empty())
+    told.push_back(
+        concat(raw.tags.size(), " subdivision tags ('t') were left out; batten subdivide reads them"));
   if (mesh.n_triangles() == 0) told.emplace_back("the file holds points without faces");
   if (!raw.normals.empty()) {
     mesh.normals = to_points(raw.normals);
@@ -378,35 +383,39 @@ MeshFormat mesh_format(std::string_view path) {
   return format;
 }
 
-TriangleMesh parse_mesh(std::string content, const std::string& path, std::vector<std::string>* warnings) {
+namespace detail {
+
+RawMesh parse_raw_mesh(std::string content, const std::string& path, std::vector<std::string>& told) {
   if (content.empty()) throw FileError(path, 0, "is empty, expected a mesh");
   MeshFormat by_content = MeshFormat::Ply, format = MeshFormat::Ply;
   const bool shown = sniffed_format(content, by_content);
   const bool named = format_of_extension(path, format);
   if (!shown && !named)
     throw FileError(path, 0, "is not recognised as a mesh; use a .ply, .obj, .off or .stl file");
-  std::vector<std::string> told;
   if (shown && (!named || by_content != format)) {
     if (named)
       told.push_back(
           concat(path, " is a ", name_of(by_content), " file by its content and was read as such"));
     format = by_content;
   }
-  detail::RawMesh raw;
   switch (format) {
     case MeshFormat::Ply:
-      raw = detail::parse_ply(content, path);
-      break;
+      return parse_ply(content, path);
     case MeshFormat::Obj:
-      raw = detail::parse_obj_mesh(std::move(content), path);
-      break;
+      return parse_obj_mesh(std::move(content), path);
     case MeshFormat::Off:
-      raw = detail::parse_off(std::move(content), path);
-      break;
+      return parse_off(std::move(content), path);
     case MeshFormat::Stl:
-      raw = detail::parse_stl(std::move(content), path);
-      break;
+      return parse_stl(std::move(content), path);
   }
+  return {};
+}
+
+}  // namespace detail
+
+TriangleMesh parse_mesh(std::string content, const std::string& path, std::vector<std::string>* warnings) {
+  std::vector<std::string> told;
+  detail::RawMesh raw = detail::parse_raw_mesh(std::move(content), path, told);
   raw.warnings.insert(raw.warnings.begin(), told.begin(), told.end());
   return detail::finished_mesh(std::move(raw), path, warnings);
 }

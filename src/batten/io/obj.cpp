@@ -126,6 +126,8 @@ ObjContent parse_obj(std::string content, const std::string& path) {
       }
       if (polyline.vertices.size() < 2) reader.fail("a line needs at least two points");
       obj.lines.push_back(std::move(polyline));
+    } else if (word == "t") {
+      obj.tags.push_back({std::string(trim(without_comment(line).substr(1))), reader.line_number()});
     } else if (word == "o") {
       object = trim(line.substr(1));
     } else if (word == "g") {
@@ -213,8 +215,8 @@ RawMesh parse_obj_mesh(std::string content, const std::string& path) {
           concat(obj.normals.size() / 3, " normals that no face refers to were left out"));
     }
   }
-  if (!obj.lines.empty())
-    mesh.warnings.push_back(concat(obj.lines.size(), " polylines beside the faces were left out"));
+  for (ObjContent::Line& line : obj.lines) mesh.polylines.push_back({std::move(line.vertices), line.line});
+  mesh.tags = std::move(obj.tags);
   mesh.positions = std::move(obj.positions);
   return mesh;
 }

@@ -19,6 +19,7 @@ struct ObjContent {
     long line = 0;
   };
   std::vector<Line> lines;
+  std::vector<RawMesh::Tag> tags;  // `t`: subdivision tags
   std::vector<std::string> comments;  // those that begin with `# batten`, without that
   std::vector<std::string> warnings;
   long n_points = 0;  // `p` statements

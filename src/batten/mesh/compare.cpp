@@ -4,8 +4,11 @@
 #include <limits>
 #include <vector>
 
+#include <Eigen/Geometry>
+
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
+#include "batten/mesh/normals.hpp"
 
 namespace batten {
 
@@ -23,8 +26,21 @@ DistanceFigures distance_figures(const Eigen::VectorXd& distances) {
 
 namespace {
 
-DirectedComparison measure(const Shape& from, const ShapeTree& to, const CompareOptions& options,
-                           std::uint64_t stream) {
+/// Angles between the normals of pairs of faces; pairs with a face without area are left out.
+Eigen::VectorXd normal_angles(const Shape& from, const std::vector<int>& faces, const Shape& to,
+                              const std::vector<ClosestPoint>& nearest) {
+  const Points n = face_normals(from.positions, from.triangles), m = face_normals(to.positions, to.triangles);
+  Eigen::VectorXd angles(static_cast<Eigen::Index>(faces.size()));
+  Eigen::Index count = 0;
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    const Eigen::RowVector3d a = n.row(faces[i]), b = m.row(nearest[i].element);
+    if (a.squaredNorm() > 0 && b.squaredNorm() > 0) angles[count++] = std::atan2(a.cross(b).norm(), a.dot(b));
+  }
+  return angles.head(count);
+}
+
+DirectedComparison measure(const Shape& from, const Shape& to_shape, const ShapeTree& to,
+                           const CompareOptions& options, std::uint64_t stream) {
   DirectedComparison result;
   const std::vector<int> vertices = used_vertices(from);
   Points used(static_cast<Eigen::Index>(vertices.size()), 3);
@@ -37,7 +53,12 @@ DirectedComparison measure(const Shape& from, const ShapeTree& to, const Compare
   for (std::size_t i = 0; i < vertices.size(); ++i)
     result.vertex_distances[vertices[i]] = at_vertices[static_cast<Eigen::Index>(i)];
   Random random(options.seed, stream);
-  result.samples = distance_figures(distances(to.closest(sample_uniformly(from, options.samples, random))));
+  std::vector<int> elements;
+  const std::vector<ClosestPoint> nearest =
+      to.closest(sample_uniformly(from, options.samples, random, &elements));
+  result.samples = distance_figures(distances(nearest));
+  if (from.is_surface() && to_shape.is_surface())
+    result.normal_angles = distance_figures(normal_angles(from, elements, to_shape, nearest));
   return result;
 }
 
@@ -63,9 +84,9 @@ Comparison compare(const Shape& a, const Shape& b, const CompareOptions& options
     comparison.registration.converged = true;
   }
   progress.report("compare", 0);
-  comparison.a_to_b = measure(moved, tree_b, options, 3);
+  comparison.a_to_b = measure(moved, b, tree_b, options, 3);
   progress.report("compare", 0.5);
-  comparison.b_to_a = measure(b, ShapeTree(moved), options, 4);
+  comparison.b_to_a = measure(b, moved, ShapeTree(moved), options, 4);
   return comparison;
 }
 

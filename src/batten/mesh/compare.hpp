@@ -23,12 +23,15 @@ struct CompareOptions {
   std::uint64_t seed = 1;
 };
 
-/// Distances from one shape to the other.
+/// Distances from one shape to the other: (2.101) of H, and over either set of points (2.102-2.104).
 struct DirectedComparison {
-  DistanceFigures vertices;  ///< over the vertices in use
+  DistanceFigures vertices;  ///< over the vertices in use, as H has it
   DistanceFigures samples;   ///< over the uniform samples: independent of the density of the vertices
   /// Per vertex of the shape that is measured, in the unit of B; NaN where no element uses the vertex.
   Eigen::VectorXd vertex_distances;
+  /// Angles in [0, π] between the normal of the face of each sample and that of the face on which its nearest
+  /// point lies. Weighted by area, as the samples are. Without samples (`count` 0) unless both are surfaces.
+  DistanceFigures normal_angles;
 };
 
 struct Comparison {

@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 
+#include "batten/core/units.hpp"
 #include "batten/mesh/adjacency.hpp"
 #include "batten/mesh/normals.hpp"
 
@@ -14,6 +15,8 @@ namespace batten {
 namespace {
 
 using Row = Eigen::RowVector3d;
+
+constexpr double kSliverAngle = radians(20.0);
 
 struct Corner {
   Row a, b, c;
@@ -46,6 +49,7 @@ MeshQuality mesh_quality(const Points& positions, const Triangles& triangles) {
     }
     quality.min_angle = std::min(quality.min_angle, smallest);
     quality.mean_min_angle += smallest;
+    if (smallest < kSliverAngle) quality.slivers += 1;
     // R/(2r) = a b c (a + b + c) / (16 A²), A from the cross product of two sides.
     const double twice_area = sides[0].cross(sides[1]).norm();
     const double aspect = twice_area > 0 ? (lengths[0] / twice_area) * (lengths[1] / twice_area) *
@@ -59,9 +63,29 @@ MeshQuality mesh_quality(const Points& positions, const Triangles& triangles) {
   }
   const auto n = static_cast<double>(triangles.rows());
   quality.mean_min_angle /= n;
+  quality.slivers /= n;
   quality.mean_aspect /= n;
   quality.mean_edge = sum_edges / (3 * n);
   return quality;
+}
+
+double regular_share(const Triangles& triangles, Eigen::Index n_vertices) {
+  const MeshEdges edges = mesh_edges(triangles, n_vertices);
+  std::vector<int> valence(n_vertices, 0);
+  std::vector<char> inside(n_vertices, 1);
+  for (Eigen::Index e = 0; e < edges.n_edges(); ++e)
+    for (int k = 0; k < 2; ++k) {
+      const int v = edges.vertices(e, k);
+      ++valence[v];
+      if (edges.n_triangles(e) != 2) inside[v] = 0;
+    }
+  double regular = 0, all = 0;
+  for (Eigen::Index v = 0; v < n_vertices; ++v) {
+    if (valence[v] == 0 || inside[v] == 0) continue;
+    all += 1;
+    regular += valence[v] == 6 ? 1 : 0;
+  }
+  return all > 0 ? regular / all : 0;
 }
 
 std::vector<int> degenerate_triangles(const Points& positions, const Triangles& triangles, double tolerance) {

@@ -12,6 +12,7 @@ struct MeshQuality {
   double min_angle = 0;       ///< smallest of all
   double mean_min_angle = 0;  ///< mean over the triangles of their smallest angle; π/3 is best
   double max_angle = 0;       ///< largest of all
+  double slivers = 0;         ///< share of the triangles with an angle below 20°
   /// Circumradius over twice the inradius: 1 for an equilateral triangle, infinite without area.
   double mean_aspect = 0, max_aspect = 0;
   double min_edge = 0, mean_edge = 0, max_edge = 0;
@@ -20,6 +21,10 @@ struct MeshQuality {
 
 /// @pre the indices are in range, as for all functions of this header.
 MeshQuality mesh_quality(const Points& positions, const Triangles& triangles);
+
+/// Share of the vertices inside the surface at which six edges meet, 0 without any. Vertices on borders and
+/// those of edges with more than two triangles are left out.
+double regular_share(const Triangles& triangles, Eigen::Index n_vertices);
 
 /// Triangles so flat that their normal means nothing: height at most `tolerance` times the longest side. Also
 /// those with two corners at the same place.

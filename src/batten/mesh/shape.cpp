@@ -38,7 +38,7 @@ std::vector<int> used_vertices(const Shape& shape) {
   return vertices;
 }
 
-Points sample_uniformly(const Shape& shape, Eigen::Index n, Random& random) {
+Points sample_uniformly(const Shape& shape, Eigen::Index n, Random& random, std::vector<int>* elements) {
   const bool surface = shape.is_surface();
   const Eigen::Index m = surface ? shape.triangles.rows() : shape.segments.rows();
   const auto corner = [&](Eigen::Index e, int k) -> Vector3d {
@@ -56,10 +56,12 @@ Points sample_uniformly(const Shape& shape, Eigen::Index n, Random& random) {
                            ? "the mesh has no area, so it cannot be sampled; check its positions"
                            : "the curves have no length, so they cannot be sampled; check their positions");
   Points samples(n, 3);
+  if (elements != nullptr) elements->assign(n, 0);
   for (Eigen::Index i = 0; i < n; ++i) {
     const double at = random.uniform() * total;
     const auto e =
         std::min<Eigen::Index>(std::upper_bound(sums.begin(), sums.end(), at) - sums.begin(), m - 1);
+    if (elements != nullptr) (*elements)[i] = static_cast<int>(e);
     const Vector3d a = corner(e, 0), b = corner(e, 1);
     if (surface) {  // the square root makes the density even (Osada et al. 2002)
       const double r = std::sqrt(random.uniform()), s = random.uniform();

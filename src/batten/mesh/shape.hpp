@@ -37,8 +37,10 @@ class ShapeTree {
 std::vector<int> used_vertices(const Shape& shape);
 
 /// `n` points drawn independently, uniform by area on a surface and by length on curves.
+/// @param elements if given, receives the triangle or segment of every point.
 /// @throws InvalidInput when the area or length is zero or not finite.
-Points sample_uniformly(const Shape& shape, Eigen::Index n, Random& random);
+Points sample_uniformly(const Shape& shape, Eigen::Index n, Random& random,
+                        std::vector<int>* elements = nullptr);
 
 /// Length of the diagonal of the bounding box of the used vertices: "the diameter" (METHODS 0).
 double diameter(const Shape& shape);

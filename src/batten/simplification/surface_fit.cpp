@@ -1,0 +1,442 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+
+#include "batten/core/units.hpp"
+#include "batten/simplification/surface_fit_detail.hpp"
+
+namespace batten::simplification {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+namespace {
+
+constexpr int kNone = HalfedgeMesh::kNone;
+constexpr double kLeastCosine = 0.2;   ///< between the normals of a face before and after a step
+constexpr double kLeastHeight = 0.02;  ///< of a triangle over its longest edge, unless it was worse before
+
+/// Closest point of a triangle; after Ericson, Real-Time Collision Detection (2005), 5.1.5.
+double nearest_on_triangle(const Vector3d& p, const Vector3d& a, const Vector3d& b, const Vector3d& c,
+                           double* w) {
+  const Vector3d ab = b - a, ac = c - a, ap = p - a;
+  const double d1 = ab.dot(ap), d2 = ac.dot(ap);
+  const auto done = [&](double v, double t) {
+    w[0] = 1 - v - t;
+    w[1] = v;
+    w[2] = t;
+    return (ap - v * ab - t * ac).squaredNorm();
+  };
+  if (d1 <= 0 && d2 <= 0) return done(0, 0);
+  const Vector3d bp = p - b;
+  const double d3 = ab.dot(bp), d4 = ac.dot(bp);
+  if (d3 >= 0 && d4 <= d3) return done(1, 0);
+  const double vc = d1 * d4 - d3 * d2;
+  if (vc <= 0 && d1 >= 0 && d3 <= 0) return done(d1 / (d1 - d3), 0);
+  const Vector3d cp = p - c;
+  const double d5 = ab.dot(cp), d6 = ac.dot(cp);
+  if (d6 >= 0 && d5 <= d6) return done(0, 1);
+  const double vb = d5 * d2 - d1 * d6;
+  if (vb <= 0 && d2 >= 0 && d6 <= 0) return done(0, d2 / (d2 - d6));
+  const double va = d3 * d6 - d5 * d4;
+  if (va <= 0 && d4 >= d3 && d5 >= d6) {
+    const double t = (d4 - d3) / ((d4 - d3) + (d5 - d6));
+    const double d = done(1 - t, t);
+    w[0] = 0;  // exactly: callers read off the zeros which edge or corner it is
+    return d;
+  }
+  const double sum = va + vb + vc;
+  if (!(sum > 0)) return done(0, 0);
+  return done(vb / sum, vc / sum);
+}
+
+double smallest_angle(const Vector3d& a, const Vector3d& b, const Vector3d& c) {
+  // The smallest angle lies opposite the shortest edge.
+  const double ab = (b - a).squaredNorm(), bc = (c - b).squaredNorm(), ca = (a - c).squaredNorm();
+  const double twice_area = (b - a).cross(c - a).norm();
+  const double least = std::min({ab, bc, ca});
+  return std::atan2(2 * twice_area, ab + bc + ca - 2 * least);
+}
+
+double height_ratio(const Vector3d& a, const Vector3d& b, const Vector3d& c) {
+  return (b - a).cross(c - a).norm() /
+         std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
+}
+
+}  // namespace
+
+SurfaceFit::SurfaceFit(HalfedgeMesh& mesh, FaceTree& tree, std::vector<SurfaceSample> samples,
+                       const FitOptions& options)
+    : mesh_(mesh), tree_(tree), samples_(std::move(samples)), located_(samples_.size()), options_(options) {
+  for (const SurfaceSample& s : samples_) area_ += s.area;
+}
+
+double SurfaceFit::squared_distance(const Vector3d& p, int f, double* weights) const {
+  return nearest_on_triangle(p, mesh_.position(mesh_.from(3 * f)), mesh_.position(mesh_.from(3 * f + 1)),
+                             mesh_.position(mesh_.from(3 * f + 2)), weights);
+}
+
+void SurfaceFit::locate_one(int s) {
+  SurfaceSample& sample = samples_[s];
+  Located& at = located_[s];
+  at.squared = squared_distance(sample.point, sample.face, at.weights);
+  // Walk to better faces across the edge or around the corner on which the nearest point lies.
+  for (int steps = 0; steps < 100; ++steps) {
+    const double* w = at.weights;
+    const int n_zero = (w[0] == 0) + (w[1] == 0) + (w[2] == 0);
+    const int from = sample.face;
+    if (n_zero == 0) break;
+    double weights[3];
+    const auto consider = [&](int f) {
+      const double d = squared_distance(sample.point, f, weights);
+      if (d < at.squared) {
+        at.squared = d;
+        std::copy(weights, weights + 3, at.weights);
+        sample.face = f;
+      }
+    };
+    if (n_zero == 1) {
+      const int k = w[0] == 0 ? 1 : w[1] == 0 ? 2 : 0;  // the edge opposite the zero
+      const int o = mesh_.opposite(3 * from + k);
+      if (o != kNone) consider(HalfedgeMesh::face(o));
+    } else {
+      const int k = w[0] != 0 ? 0 : w[1] != 0 ? 1 : 2;
+      mesh_.for_each_outgoing(mesh_.from(3 * from + k), [&](int h) {
+        if (HalfedgeMesh::face(h) != from) consider(HalfedgeMesh::face(h));
+      });
+    }
+    if (sample.face == from) break;
+  }
+}
+
+void SurfaceFit::start_at(int s, const int* vertices, int n) {
+  double best = std::numeric_limits<double>::infinity(), weights[3];
+  for (int i = 0; i < n; ++i)
+    mesh_.for_each_outgoing(vertices[i], [&](int h) {
+      const double d = squared_distance(samples_[s].point, HalfedgeMesh::face(h), weights);
+      if (!(d < best)) return;
+      best = d;
+      samples_[s].face = HalfedgeMesh::face(h);
+    });
+}
+
+void SurfaceFit::locate() {
+  first_.assign(mesh_.face_capacity(), kNone);
+  next_.resize(samples_.size());
+  double sum = 0;
+  for (int s = static_cast<int>(samples_.size()) - 1; s >= 0; --s) {
+    locate_one(s);
+    const SurfaceSample& sample = samples_[s];
+    Located& at = located_[s];
+    const int f = sample.face;
+    const Vector3d n = mesh_.area_normal(f);
+    if (at.weights[0] > 0 && at.weights[1] > 0 && at.weights[2] > 0) {
+      at.direction = n.normalized();
+    } else {
+      Vector3d d = sample.point;
+      for (int k = 0; k < 3; ++k) d -= at.weights[k] * mesh_.position(mesh_.from(3 * f + k));
+      // On the surface itself the difference has no direction.
+      at.direction = at.squared > 1e-20 * n.norm() ? d.normalized() : n.normalized();
+    }
+    next_[s] = first_[f];
+    first_[f] = s;
+    sum += sample.area * at.squared;
+  }
+  rms_ = std::sqrt(sum / area_);
+}
+
+bool SurfaceFit::try_flip(int h) {
+  if (!mesh_.can_flip(h)) return false;
+  const int o = mesh_.opposite(h);
+  const int u = mesh_.from(h), v = mesh_.to(h), w = mesh_.tip(h), x = mesh_.tip(o);
+  const Vector3d &pu = mesh_.position(u), &pv = mesh_.position(v), &pw = mesh_.position(w),
+                 &px = mesh_.position(x);
+  // Faces after the flip: (x, w, u) and (w, x, v).
+  const Vector3d a1 = (pw - px).cross(pu - px), a2 = (px - pw).cross(pv - pw);
+  const Vector3d b1 = (pv - pu).cross(pw - pu), b2 = (pu - pv).cross(px - pv);
+  const Vector3d before = b1.normalized() + b2.normalized();
+  if (a1.dot(before) <= kLeastCosine * a1.norm() * before.norm() ||
+      a2.dot(before) <= kLeastCosine * a2.norm() * before.norm())
+    return false;
+  const double least_after = std::min(height_ratio(px, pw, pu), height_ratio(pw, px, pv));
+  const double least_before = std::min(height_ratio(pu, pv, pw), height_ratio(pv, pu, px));
+  if (least_after < kLeastHeight && least_after < least_before) return false;
+  const double gain = smallest_angle(px, pw, pu) + smallest_angle(pw, px, pv) - smallest_angle(pu, pv, pw) -
+                      smallest_angle(pv, pu, px);
+  const double area = 0.5 * (b1.norm() + b2.norm());
+  const double allowance = options_.flip_shape * budget_ * budget_ * area * gain / (M_PI / 3);
+  double change = 0, furthest = 0;
+  double weights[3];
+  for (const int side : {h, o})
+    for (int s = first_[HalfedgeMesh::face(side)]; s != kNone; s = next_[s]) {
+      const Vector3d& p = samples_[s].point;
+      const double d =
+          std::min(nearest_on_triangle(p, px, pw, pu, weights), nearest_on_triangle(p, pw, px, pv, weights));
+      change += samples_[s].area * (d - located_[s].squared);
+      if (d > located_[s].squared) furthest = std::max(furthest, d);
+    }
+  if (!(change < allowance) || (change >= 0 && gain <= 0) || furthest > largest_) return false;
+  star_ = {{{x, w, u}, {px, pw, pu}}, {{w, x, v}, {pw, px, pv}}};
+  replaced_ = {HalfedgeMesh::face(h), HalfedgeMesh::face(o)};
+  if (tree_.intersects(star_, replaced_)) return false;
+  mesh_.flip(h);
+  const int f = HalfedgeMesh::face(h), g = HalfedgeMesh::face(o);
+  tree_.update(f);
+  tree_.update(g);
+  int moved = kNone;
+  for (const int side : {f, g})
+    while (first_[side] != kNone) {
+      const int s = first_[side];
+      first_[side] = next_[s];
+      next_[s] = moved;
+      moved = s;
+    }
+  while (moved != kNone) {
+    const int s = moved;
+    moved = next_[s];
+    double wf[3], wg[3];
+    const double df = squared_distance(samples_[s].point, f, wf),
+                 dg = squared_distance(samples_[s].point, g, wg);
+    const int to = df <= dg ? f : g;
+    samples_[s].face = to;
+    located_[s].squared = std::min(df, dg);
+    std::copy_n(df <= dg ? wf : wg, 3, located_[s].weights);
+    located_[s].direction = mesh_.area_normal(to).normalized();
+    next_[s] = first_[to];
+    first_[to] = s;
+  }
+  return true;
+}
+
+int SurfaceFit::flip_edges() {
+  int flipped = 0;
+  for (int h = 0; h < mesh_.halfedge_capacity(); ++h)
+    if (mesh_.has_halfedge(h) && mesh_.is_representative(h) && try_flip(h)) ++flipped;
+  return flipped;
+}
+
+bool SurfaceFit::try_move(int v) {
+  const Vector3d p = mesh_.position(v);
+  Matrix3d A = Matrix3d::Zero();
+  Vector3d g = Vector3d::Zero(), normal = Vector3d::Zero(), target = Vector3d::Zero();
+  bool marked = false;
+  double mass = 0, target_weight = 0, least_before = 1, shortest = 1e300;
+  int n_faces = 0;
+  mesh_.for_each_outgoing(v, [&](int h) {
+    const int f = HalfedgeMesh::face(h), k = h % 3;
+    marked = marked || mesh_.is_marked(h);
+    const Vector3d &a = mesh_.position(mesh_.to(h)), &b = mesh_.position(mesh_.tip(h));
+    const Vector3d corners[3] = {mesh_.position(mesh_.from(3 * f)), mesh_.position(mesh_.from(3 * f + 1)),
+                                 mesh_.position(mesh_.from(3 * f + 2))};
+    for (int s = first_[f]; s != kNone; s = next_[s]) {
+      const Located& at = located_[s];
+      const double w = at.weights[k];
+      if (w == 0) continue;
+      const double r = at.direction.dot(samples_[s].point - at.weights[0] * corners[0] -
+                                        at.weights[1] * corners[1] - at.weights[2] * corners[2]);
+      const double area = samples_[s].area;
+      A.noalias() += (area * w * w) * at.direction * at.direction.transpose();
+      g += (area * w * r) * at.direction;
+      mass += area * w * w;
+    }
+    normal += (a - p).cross(b - p);
+    least_before = std::min(least_before, height_ratio(p, a, b));
+    shortest = std::min(shortest, (a - p).squaredNorm());
+    // Apex of the equilateral triangle over the opposite edge, in the plane of the face.
+    const Vector3d edge = b - a, middle = 0.5 * (a + b);
+    const double l2 = edge.squaredNorm();
+    Vector3d up = p - middle;
+    up -= edge * (edge.dot(up) / l2);
+    const double height = up.norm();
+    if (height > 0) {
+      target += (middle + up * (0.866 * std::sqrt(l2) / height)) / l2;
+      target_weight += 1 / l2;
+      ++n_faces;
+    }
+  });
+  if (n_faces > 0) target_weight /= n_faces;
+  if (marked || target_weight == 0 || normal.squaredNorm() == 0) return false;
+  normal.normalize();
+  target /= target_weight * n_faces;
+  const double pull = shape_pull_ * budget_ * budget_ * target_weight * mass + 1e-12 * mass + 1e-30;
+  const Matrix3d tangential = Matrix3d::Identity() - normal * normal.transpose();
+  A += pull * tangential + (1e-6 * mass + 1e-30) * Matrix3d::Identity();
+  g += pull * (tangential * (target - p));
+  Vector3d step = A.ldlt().solve(g);
+  if (!step.allFinite()) return false;
+  const double longest = 0.5 * std::sqrt(shortest);
+  if (step.squaredNorm() > longest * longest) step *= longest / step.norm();
+  double nearest_sample = 0, furthest_sample = 0, height = 0;
+  const auto objective = [&](const Vector3d& x) {
+    double sum = pull * (tangential * (x - target)).squaredNorm(), w[3];
+    nearest_sample = std::numeric_limits<double>::infinity();
+    furthest_sample = 0;
+    mesh_.for_each_outgoing(v, [&](int h) {
+      const int f = HalfedgeMesh::face(h);
+      const Vector3d &a = mesh_.position(mesh_.to(h)), &b = mesh_.position(mesh_.tip(h));
+      const int before = mesh_.opposite(h), after = mesh_.opposite(HalfedgeMesh::prev(h));
+      const Vector3d *pa = before == kNone ? nullptr : &mesh_.position(mesh_.tip(before)),
+                     *pb = after == kNone ? nullptr : &mesh_.position(mesh_.to(after));
+      for (int s = first_[f]; s != kNone; s = next_[s]) {
+        const Vector3d& y = samples_[s].point;
+        const double near = (y - x).squaredNorm();
+        if (near < nearest_sample) {
+          nearest_sample = near;
+          height = samples_[s].normal.cast<double>().dot(x - y);
+        }
+        double d = nearest_on_triangle(y, x, a, b, w);
+        const double own[3] = {w[0], w[1], w[2]};
+        if (own[2] == 0 && pa != nullptr) d = std::min(d, nearest_on_triangle(y, x, *pa, a, w));
+        if (own[1] == 0 && pb != nullptr) d = std::min(d, nearest_on_triangle(y, x, b, *pb, w));
+        sum += samples_[s].area * d;
+        furthest_sample = std::max(furthest_sample, d);
+      }
+    });
+    return sum;
+  };
+  const double present = objective(p);
+  const double away = 1.5 * spacing_ + 3 * budget_;
+  const double furthest = std::max(nearest_sample, away * away),
+               largest = std::max(furthest_sample, largest_), highest = std::max(height * height, largest_);
+  for (int attempt = 0; attempt < 3; ++attempt, step *= 0.3) {
+    if (!(objective(p + step) < present) || nearest_sample > furthest || furthest_sample > largest ||
+        height * height > highest)
+      continue;
+    const Vector3d q = p + step;
+    star_.clear();
+    replaced_.clear();
+    bool allowed = true;
+    double least_after = 1;
+    mesh_.for_each_outgoing(v, [&](int h) {
+      const int ia = mesh_.to(h), ib = mesh_.tip(h);
+      const Vector3d &a = mesh_.position(ia), &b = mesh_.position(ib);
+      const Vector3d before = (a - p).cross(b - p), after = (a - q).cross(b - q);
+      if (before.dot(after) < kLeastCosine * before.norm() * after.norm()) allowed = false;
+      least_after = std::min(least_after, height_ratio(q, a, b));
+      star_.push_back({{v, ia, ib}, {q, a, b}});
+      replaced_.push_back(HalfedgeMesh::face(h));
+    });
+    if (!allowed || (least_after < kLeastHeight && least_after < least_before)) continue;
+    if (tree_.intersects(star_, replaced_)) continue;
+    mesh_.set_position(v, q);
+    for (const int f : replaced_) tree_.update(f);
+    return true;
+  }
+  return false;
+}
+
+int SurfaceFit::move_vertices() {
+  int moved = 0;
+  for (int v = 0; v < mesh_.vertex_capacity(); ++v)
+    if (mesh_.has_vertex(v) && !mesh_.is_border_vertex(v) && try_move(v)) ++moved;
+  return moved;
+}
+
+double SurfaceFit::largest_distance() const {
+  double largest = 0;
+  for (const Located& at : located_) largest = std::max(largest, at.squared);
+  return std::sqrt(largest);
+}
+
+double SurfaceFit::mean_smallest_angle() const {
+  double sum = 0;
+  for (int f = 0; f < mesh_.face_capacity(); ++f)
+    if (mesh_.has_face(f))
+      sum += smallest_angle(mesh_.position(mesh_.from(3 * f)), mesh_.position(mesh_.from(3 * f + 1)),
+                            mesh_.position(mesh_.from(3 * f + 2)));
+  return sum / mesh_.n_faces();
+}
+
+void SurfaceFit::run(const Progress& progress) {
+  if (samples_.empty() || !(area_ > 0) || mesh_.n_faces() == 0) return;
+  spacing_ = std::sqrt(area_ / static_cast<double>(samples_.size()));
+  shape_pull_ = options_.shape_pull;
+  locate();
+  const double rms_before = rms_;
+  largest_ = std::pow(largest_distance(), 2);
+  for (int round = 0; round < options_.rounds; ++round) {
+    progress.report("fit", round / static_cast<double>(options_.rounds));
+    // 38° is what error-driven collapses reach on smooth shapes at best; 32° and less is poor.
+    const double poor = std::clamp((38 - degrees(mean_smallest_angle())) / 6, 0.0, 1.0);
+    budget_ = rms_before * (options_.budget_good + (options_.budget_poor - options_.budget_good) * poor);
+    if (round > 1 && rms_ > 0) shape_pull_ *= std::clamp(std::pow(0.985 * budget_ / rms_, 6), 0.2, 4.0);
+    flip_edges();
+    move_vertices();
+    locate();
+  }
+}
+
+std::vector<SurfaceSample> sample_surface(const Points& positions, const Triangles& triangles, int n) {
+  std::vector<SurfaceSample> samples;
+  const auto corner = [&](Eigen::Index f, int k) { return Vector3d(positions.row(triangles(f, k))); };
+  const auto normal = [&](Eigen::Index f) {
+    const Vector3d a = corner(f, 0);
+    return Vector3d((corner(f, 1) - a).cross(corner(f, 2) - a));
+  };
+  double area = 0;
+  std::vector<Vector3d> vertex_normal(positions.rows(), Vector3d::Zero());
+  for (Eigen::Index f = 0; f < triangles.rows(); ++f) {
+    const Vector3d N = normal(f);
+    area += 0.5 * N.norm();
+    for (int k = 0; k < 3; ++k) vertex_normal[triangles(f, k)] += N.normalized();
+  }
+  if (!(area > 0)) return samples;
+  const double share = area / n;
+  // How far the normals around a vertex part from their mean: a cosine, low where the surface bends.
+  struct Bend {
+    float cosine = 1;
+    int face = -1;
+  };
+  std::vector<Bend> bends(positions.rows());
+  double carried = 0;  // area of small faces that no sample stands for yet
+  for (Eigen::Index f = 0; f < triangles.rows(); ++f) {
+    const Vector3d N = normal(f);
+    const double face_area = 0.5 * N.norm();
+    const Eigen::Vector3f unit = N.normalized().cast<float>();
+    for (int k = 0; k < 3; ++k) {
+      Bend& bend = bends[triangles(f, k)];
+      const auto cosine = static_cast<float>(N.normalized().dot(vertex_normal[triangles(f, k)].normalized()));
+      if (bend.face < 0 || cosine < bend.cosine) bend = {cosine, static_cast<int>(f)};
+    }
+    const Vector3d a = corner(f, 0), ab = corner(f, 1) - a, ac = corner(f, 2) - a;
+    if (face_area < share) {
+      carried += face_area;
+      if (carried < share) continue;
+      carried -= share;
+      samples.push_back({a + (ab + ac) / 3, share, unit, static_cast<int>(f)});
+      continue;
+    }
+    // m² equal parts, by the centres of the triangles of a regular subdivision.
+    const int m = static_cast<int>(std::ceil(std::sqrt(face_area / share)));
+    for (int i = 0; i < m; ++i)
+      for (int j = 0; i + j < m; ++j) {
+        samples.push_back({a + ((i + 1.0 / 3) * ab + (j + 1.0 / 3) * ac) / m, face_area / (m * m), unit,
+                           static_cast<int>(f)});
+        if (i + j + 1 < m)
+          samples.push_back({a + ((i + 2.0 / 3) * ab + (j + 2.0 / 3) * ac) / m, face_area / (m * m), unit,
+                             static_cast<int>(f)});
+      }
+  }
+  std::vector<int> bent;
+  for (std::size_t v = 0; v < bends.size(); ++v)
+    if (bends[v].face >= 0 && bends[v].cosine < 0.985F) bent.push_back(static_cast<int>(v));
+  const std::size_t most = samples.size() / 4 + 1;
+  if (bent.size() > most) {
+    std::nth_element(
+        bent.begin(), bent.begin() + static_cast<std::ptrdiff_t>(most), bent.end(), [&](int u, int v) {
+          return bends[u].cosine < bends[v].cosine || (bends[u].cosine == bends[v].cosine && u < v);
+        });
+    bent.resize(most);
+    std::sort(bent.begin(), bent.end());
+  }
+  for (const int v : bent) {
+    const int f = bends[v].face;
+    samples.push_back({positions.row(v).transpose(), 1e-3 * share, normal(f).normalized().cast<float>(), f});
+  }
+  return samples;
+}
+
+}  // namespace batten::simplification

@@ -1,0 +1,45 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "batten/subdivision/bspline_surface.hpp"
+
+namespace batten {
+
+/// True where the library was built with Open Cascade; without it the functions below throw an InvalidInput
+/// that says how to get it.
+bool has_step();
+
+/// Options of format_step().
+struct StepOptions {
+  /// STEP files declare millimetres; a cage in metres is written a thousand times larger. Above 0.
+  double millimetres_per_unit = 1000;
+  /// The name of the product in the file.
+  std::string name = "surface";
+};
+
+/// A B-spline surface as the text of a STEP file (ISO 10303-214): one solid per closed component, one shell
+/// per open one; a face per patch, which shares its edges and vertices with its neighbours. The text is the
+/// same for the same surface: the time stamp is fixed.
+/// @throws InvalidInput without Open Cascade, on bad options, or naming an edge shorter than 1e-5 mm; Error
+/// when Open Cascade cannot write.
+std::string format_step(const BsplineSurface& surface, const StepOptions& options = {});
+
+/// What Open Cascade makes of a STEP file.
+struct StepModel {
+  int n_solids = 0, n_shells = 0, n_faces = 0, n_edges = 0, n_vertices = 0;
+  bool is_valid = false;   ///< Open Cascade's own check of geometry and topology
+  bool is_closed = false;  ///< every edge belongs to two faces
+  double area = 0;         ///< mm²
+  double volume = 0;       ///< mm³, of the solids
+  double largest_gap =
+      0;                ///< mm, between the curve of an edge and each of its faces, and its ends and vertices
+  double diameter = 0;  ///< mm, of the box around the control points
+  /// The faces that are bicubic B-splines, in their order in the file, in mm; vertices and edges not filled.
+  std::vector<BsplinePatch> patches;
+};
+
+/// Reads a STEP file back. @throws InvalidInput without Open Cascade or when the text is no STEP file.
+StepModel read_step(const std::string& text);
+
+}  // namespace batten

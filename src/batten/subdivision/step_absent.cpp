@@ -1,0 +1,29 @@
+// Stands in for step.cpp where Open Cascade is missing.
+#include "batten/core/error.hpp"
+#include "batten/subdivision/step.hpp"
+
+namespace batten {
+
+namespace {
+
+[[noreturn]] void refuse() {
+  throw InvalidInput(
+      "this build of batten has no Open Cascade and neither writes nor reads STEP; install "
+      "libocct-data-exchange-dev and build again");
+}
+
+}  // namespace
+
+bool has_step() {
+  return false;
+}
+
+std::string format_step(const BsplineSurface&, const StepOptions&) {
+  refuse();
+}
+
+StepModel read_step(const std::string&) {
+  refuse();
+}
+
+}  // namespace batten
