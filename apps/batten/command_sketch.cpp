@@ -5,17 +5,24 @@
 
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
+#include "batten/core/units.hpp"
 #include "batten/io/file.hpp"
+#include "batten/io/mesh_io.hpp"
 #include "batten/session/edit_json.hpp"
 #include "batten/session/journal.hpp"
 #include "batten/session/project.hpp"
+#include "batten/sketch/diffusion_surface.hpp"
+#include "batten/subdivision/bspline_surface.hpp"
+#include "batten/subdivision/step.hpp"
+#include "batten/subdivision/subdivide.hpp"
 
 namespace batten::cli {
 
 namespace {
 
 struct SketchArguments {
-  std::string session, output;
+  std::string session, output, surface, method = "v2", step;
+  int levels = 3, splits = 3;
   bool strict = false;
 };
 
@@ -99,9 +106,74 @@ void play(const Session& session, const std::string& path, Project& project, Con
   outcome.figures["refused"] = std::move(refused);
 }
 
+/// Millimetres in the unit of the session. @throws InvalidInput.
+double millimetres_in(const std::string& unit) {
+  const Length one = parse_length("1" + unit);
+  if (one.kind != Length::Kind::Metres)
+    throw InvalidInput(concat("the unit of the session is '", unit, "'; STEP needs m, cm, mm, um, km, in or ft"));
+  return 1000 * one.value;
+}
+
+/// Quads as triangles, cut along the shorter diagonal.
+Triangles cut_quads(const PolygonMesh& mesh) {
+  Triangles triangles(2 * mesh.n_faces(), 3);
+  for (Eigen::Index f = 0; f < mesh.n_faces(); ++f) {
+    const int* c = &mesh.corners[static_cast<size_t>(mesh.offsets[static_cast<size_t>(f)])];
+    const auto p = [&](int k) { return mesh.positions.row(c[k]); };
+    const int first = (p(0) - p(2)).squaredNorm() <= (p(1) - p(3)).squaredNorm() ? 0 : 1;
+    triangles.row(2 * f) << c[first], c[first + 1], c[first + 2];
+    triangles.row(2 * f + 1) << c[first], c[first + 2], c[(first + 3) % 4];
+  }
+  return triangles;
+}
+
+/// The surface of H 6.4 and what is written of it.
+void make_surface(const SketchArguments& arguments, const Project& project, const Context& context, Outcome& outcome) {
+  DiffusionOptions options;
+  options.splits = arguments.splits;
+  const DiffusionSurface surface = diffusion_surface(project.document.mesh(), options, context.progress);
+  outcome.times.add(surface.times);
+  Json& figures = outcome.figures["surface"] = Json::object();
+  figures["quads"] = surface.refined.mesh.n_faces();
+  figures["last_move"] = surface.last_move;
+  if (!arguments.surface.empty()) {
+    TriangleMesh mesh;
+    {
+      const ScopedStage stage(outcome.times, "subdivision");
+      SubdivisionOptions subdivision;
+      subdivision.levels = arguments.levels;
+      subdivision.limit = true;
+      const SubdividedSurface fine = subdivide(surface.cage, subdivision, context.progress);
+      mesh.positions = fine.limit_positions;
+      mesh.normals = fine.limit_normals;
+      mesh.triangles = cut_quads(fine.cage.mesh);
+    }
+    const ScopedStage stage(outcome.times, "write");
+    write_mesh(arguments.surface, mesh);
+    figures["vertices"] = mesh.n_vertices();
+    figures["faces"] = mesh.n_triangles();
+    outcome.lines.push_back(
+        concat(arguments.surface, ": ", mesh.n_vertices(), " vertices, ", mesh.n_triangles(), " triangles"));
+    outcome.exhibit.mesh = std::move(mesh);
+  }
+  if (!arguments.step.empty()) {
+    const ScopedStage stage(outcome.times, "step");
+    const BsplineSurface patches = limit_bsplines(surface.cage, {}, context.progress);
+    StepOptions step;
+    step.millimetres_per_unit = millimetres_in(project.unit);
+    write_file(arguments.step, format_step(patches, step));
+    figures["patches"] = patches.patches.size();
+    figures["step_deviation"] = patches.deviation;
+    outcome.lines.push_back(concat(arguments.step, ": ", patches.patches.size(), " patches"));
+  }
+}
+
 Outcome run_sketch(const SketchArguments& arguments, Context& context) {
   if (file_extension(arguments.output) != "batten")
     throw FileError(arguments.output, 0, "the output is a project; its extension must be .batten");
+  if (!arguments.surface.empty()) mesh_format(arguments.surface);
+  if (!arguments.step.empty() && !has_step())
+    throw InvalidInput("this program was built without Open Cascade and cannot write STEP; leave --step out");
   Outcome outcome;
   Project project;
   if (file_extension(arguments.session) == "batten") {
@@ -129,6 +201,7 @@ Outcome run_sketch(const SketchArguments& arguments, Context& context) {
                                  counts.faces, " faces, ", counts.components, " component", counts.components == 1 ? "" : "s",
                                  ", ", counts.boundary_loops, " border", counts.boundary_loops == 1 ? "" : "s", ", genus ",
                                  counts.genus));
+  if (!arguments.surface.empty() || !arguments.step.empty()) make_surface(arguments, project, context, outcome);
   const auto n_refused = outcome.figures["refused"].size();
   if (arguments.strict && n_refused > 0)
     outcome.failure = concat(n_refused, " edit", n_refused == 1 ? " was" : "s were", " refused, the first in line ",
@@ -146,6 +219,14 @@ void add_sketch(CLI::App& app) {
                                   [arguments](Context& context) { return run_sketch(*arguments, context); });
   command->add_option("session", arguments->session, "Session (JSON lines), or a project (.batten)")->required();
   command->add_option("-o,--output", arguments->output, "Project to write: .batten")->required();
+  command->add_option("--surface", arguments->surface, "Surface to write: .ply, .obj, .off or .stl");
+  command->add_option("--method", arguments->method, "How the surface is made: v2, by diffusion of mean curvature")
+      ->check(CLI::IsMember({"v2"}));
+  command->add_option("--levels", arguments->levels, "Levels of Catmull-Clark subdivision after the flow")
+      ->check(CLI::Range(0, 6));
+  command->add_option("--splits", arguments->splits, "Splits of the faces before the flow: 3 gives 16 n quads")
+      ->check(CLI::Range(1, 6));
+  command->add_option("--step", arguments->step, "STEP file to write: the limit surface as B-spline patches");
   command->add_flag("--strict", arguments->strict, "Exit with 1 when an edit was refused");
 }
 

@@ -17,7 +17,7 @@ TEST(Document, UndoAndRedoRestoreEveryBit) {
   std::vector<PolylineMesh> states{document.mesh()};
   const std::vector<Edit> edits{InsertEdit{circle(kO, kX, kY), {}},
                                 InsertEdit{circle(kO, kX, kZ), {}},
-                                SharpnessEdit{1, 0.5},
+                                SharpnessEdit{1, 0.5, {}},
                                 InsertEdit{circle(kO, kY, kZ), {}},
                                 TransformEdit{Eigen::Vector4d(2, 3, 4, 1).asDiagonal().toDenseMatrix()},
                                 DeleteEdit{2}};
@@ -93,7 +93,7 @@ Edit random_edit(const PolylineMesh& mesh, Random& random) {
   const auto curve = [&]() { return static_cast<int>(random.below(static_cast<std::uint64_t>(mesh.n_curves()) + 1)); };
   if (kind < 0.4 || mesh.empty()) return InsertEdit{random_stroke(mesh, random), {.sharpness = random.uniform() < 0.3 ? 1.0 : 0.0}};
   if (kind < 0.55) return DeleteEdit{curve()};
-  if (kind < 0.58) return SharpnessEdit{curve(), random.uniform(-0.1, 1.1)};
+  if (kind < 0.58) return SharpnessEdit{curve(), random.uniform(-0.1, 1.1), {}};
   if (kind < 0.62) {
     MirrorEdit mirror;
     mirror.curve = curve();

@@ -30,7 +30,7 @@ std::vector<Edit> one_of_each() {
   drawn_mirror.stroke.points = square;
   return {InsertEdit{{square, true}, {.snap = 0.1, .sharpness = 0.25, .into = Into::Opening}},
           DeleteEdit{3},
-          SharpnessEdit{2, 1.0 / 3},
+          SharpnessEdit{2, 1.0 / 3, std::array<int, 2>{4, 5}},
           mirror,
           drawn_mirror,
           HoleEdit{{square, false}, {}},
@@ -48,7 +48,7 @@ TEST(EditJson, EveryEditReadsBackAsItWasWritten) {
     EXPECT_EQ(line.find('\n'), std::string::npos);
     EXPECT_EQ(format_edit(parse_edit(line)), line);
   }
-  const auto sharpness = std::get<SharpnessEdit>(parse_edit(format_edit(SharpnessEdit{2, 1.0 / 3})));
+  const auto sharpness = std::get<SharpnessEdit>(parse_edit(format_edit(SharpnessEdit{2, 1.0 / 3, std::array<int, 2>{4, 5}})));
   EXPECT_EQ(sharpness.value, 1.0 / 3);  // bit for bit
 }
 
@@ -140,7 +140,7 @@ TEST(Journal, KilledProcessLosesAtMostTheEditInFlight) {
     Journal journal(path);
     Document document;
     for (int k = 0;; ++k) {
-      const Edit edit = k == 0 ? Edit(InsertEdit{circle(kO, kX, kY), {}}) : Edit(SharpnessEdit{0, (k % 100) / 100.0});
+      const Edit edit = k == 0 ? Edit(InsertEdit{circle(kO, kX, kY), {}}) : Edit(SharpnessEdit{0, (k % 100) / 100.0, {}});
       document.apply(edit, [&](const Edit& done) { journal.write(done); });
       if (write(pipe_ends[1], "x", 1) != 1) _exit(1);
     }

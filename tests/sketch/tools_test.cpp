@@ -109,7 +109,7 @@ TEST(InsertCurve, ThreeGreatCirclesMakeAClosedSphereOfEightTriangles) {
   for (const SketchEdge& edge : mesh.edges()) {
     if (!edge.alive) continue;
     for (int k = 0; k <= 50; ++k)
-      EXPECT_NEAR(edge.polyline->at(edge.polyline->length() * k / 50).norm(), 1, 1e-4);
+      EXPECT_NEAR(edge.polyline->at(edge.polyline->length() * k / 50).norm(), 1, 2e-4);
   }
 }
 
@@ -177,10 +177,10 @@ TEST(InsertCurve, RefusalsNameTheCurveAndTheDistance) {
   text = refusal(mesh, insertion(circle(kO, 0.3 * kX, 0.3 * kY), 0.01));
   EXPECT_CONTAINS(text, "hole");
   EXPECT_CONTAINS(text, "0.7 away");
-  // Rule 2 of H 5.1.1: c1 is passed at a distance of 0.2 although it lies on the way.
+  // Rule 2 of H 5.1.1: c1 is passed at a distance of nearly 0.2 (the tip is rounded off) although it lies on the way.
   insert(mesh, {polygon({-kX, kX}), false});
   text = refusal(mesh, insertion({polygon({-kY, 0.2 * kZ, kY}, 50), false}, 0.05));
-  EXPECT_CONTAINS(text, "passes c1 at a distance of 0.2");
+  EXPECT_CONTAINS(text, "passes c1 at a distance of 0.196");
   // Rule 1: both ends on one piece of a curve.
   text = refusal(mesh, insertion({polygon({Vector3d(-0.5, 0, 0), Vector3d(0, 0.3, 0), Vector3d(0.5, 0, 0)}), false}, 0.01));
   EXPECT_CONTAINS(text, "starts and ends on the same piece of c1");
@@ -385,6 +385,15 @@ TEST(Sharpness, TagsEveryPieceOfACurve) {
   for (const SketchEdge& edge : mesh.edges()) sharp += edge.alive && edge.sharpness == 1 ? 1 : 0;
   EXPECT_EQ(sharp, 4);
   EXPECT_CONTAINS(refusal(mesh, [](PolylineMesh& m) { return set_curve_sharpness(m, 1, 2); }), "0 (smooth) to 1 (sharp)");
+}
+
+TEST(Sharpness, TagsAPartBetweenTwoVertices) {
+  PolylineMesh mesh = octahedral_sphere();
+  const std::vector<int> edges = mesh.edges_of_curve(1);
+  const auto [from, to] = mesh.edge(edges.front()).vertices;
+  edit(mesh, [&, f = from, t = to](PolylineMesh& m) { return set_curve_sharpness(m, 1, 1, std::array{f, t}); });
+  for (const int e : edges) EXPECT_EQ(mesh.edge(e).sharpness, e == edges.front() ? 1 : 0);
+  EXPECT_CONTAINS(refusal(mesh, [](PolylineMesh& m) { return set_curve_sharpness(m, 1, 1, std::array{0, 999}); }), "v999");
 }
 
 TEST(Transform, MirrorsTurnFacesSoThatTheyStayOutside) {

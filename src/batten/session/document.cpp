@@ -21,7 +21,7 @@ EditReport run_tool(PolylineMesh& mesh, const Edit& edit) {
       Overloaded{
           [&](const InsertEdit& e) { return insert_curve(mesh, e.stroke, e.options); },
           [&](const DeleteEdit& e) { return delete_curve(mesh, e.curve); },
-          [&](const SharpnessEdit& e) { return set_curve_sharpness(mesh, e.curve, e.value); },
+          [&](const SharpnessEdit& e) { return set_curve_sharpness(mesh, e.curve, e.value, e.between); },
           [&](const MirrorEdit& e) {
             return e.curve >= 0 ? mirror_curve(mesh, e.curve, e.axis, e.options)
                                 : mirror_stroke(mesh, e.stroke, e.axis, e.options);

@@ -23,6 +23,7 @@ struct DeleteEdit {
 struct SharpnessEdit {
   int curve = 0;
   double value = 0;
+  std::optional<std::array<int, 2>> between;  ///< two vertices of the curve: only the part between them
 };
 /// Of a curve of the model, or, with curve −1, of a stroke that becomes a closed curve with its image.
 struct MirrorEdit {

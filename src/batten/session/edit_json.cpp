@@ -53,11 +53,17 @@ class Fields {
     return value && value->get<bool>();
   }
   int curve(const Json& value, const std::string& name) const {
+    return id(value, name, 'c', "the id of a curve, such as \"c3\"");
+  }
+  int vertex(const Json& value, const std::string& name) const {
+    return id(value, name, 'v', "the ids of vertices, such as [\"v3\", \"v5\"]");
+  }
+  int id(const Json& value, const std::string& name, char kind, const char* expected) const {
     const std::string text = value.is_string() ? value.get<std::string>() : "";
     long number = -1;
-    if (text.size() < 2 || text[0] != 'c' || !parse_integer(std::string_view(text).substr(1), number) || number < 0 ||
+    if (text.size() < 2 || text[0] != kind || !parse_integer(std::string_view(text).substr(1), number) || number < 0 ||
         number > 2147483646)
-      fail(name, "the id of a curve, such as \"c3\"");
+      fail(name, expected);
     return static_cast<int>(number);
   }
   Points points(const Json& value, const std::string& name) const {
@@ -161,6 +167,8 @@ std::string format_edit(const Edit& edit) {
   } else if (const auto* sharpness = std::get_if<SharpnessEdit>(&edit)) {
     line["curve"] = curve_id(sharpness->curve);
     line["value"] = sharpness->value;
+    if (sharpness->between)
+      line["between"] = {concat("v", (*sharpness->between)[0]), concat("v", (*sharpness->between)[1])};
   } else if (const auto* mirror = std::get_if<MirrorEdit>(&edit)) {
     if (mirror->curve >= 0)
       line["curve"] = curve_id(mirror->curve);
@@ -207,9 +215,15 @@ Edit parse_edit(std::string_view text) {
     return DeleteEdit{fields.curve(fields.require("curve"), "curve")};
   }
   if (op == "sharpness") {
-    const Fields fields(line, what, {"op", "curve", "value"});
-    return SharpnessEdit{fields.curve(fields.require("curve"), "curve"),
-                         fields.number_of(fields.require("value"), "value")};
+    const Fields fields(line, what, {"op", "curve", "value", "between"});
+    SharpnessEdit edit{fields.curve(fields.require("curve"), "curve"), fields.number_of(fields.require("value"), "value"),
+                       std::nullopt};
+    if (const Json* between = fields.find("between")) {
+      if (!between->is_array() || between->size() != 2)
+        fields.fail("between", "the ids of two vertices, such as [\"v3\", \"v5\"]");
+      edit.between = {fields.vertex((*between)[0], "between"), fields.vertex((*between)[1], "between")};
+    }
+    return edit;
   }
   if (op == "mirror") {
     const Fields fields(line, what, {"op", "curve", "points", "axis", "snap", "sharpness", "into"});

@@ -180,7 +180,8 @@ std::vector<Contact> find_contacts(const PolylineMesh& mesh, const Stroke& strok
 
   std::vector<Contact> contacts;
   for (const Hit& hit : nearest) {
-    const Contact contact = contact_of(mesh, hit, snap);
+    Contact contact = contact_of(mesh, hit, snap);
+    contact.arc = std::min(contact.arc, stroke.length);
     // Edges that meet at a vertex are all met there: one contact, the nearest, the vertex before its edges.
     Contact* last = contacts.empty() ? nullptr : &contacts.back();
     const bool close = last && (contact.position - last->position).norm() <= 2 * snap &&
@@ -196,7 +197,8 @@ std::vector<Contact> find_contacts(const PolylineMesh& mesh, const Stroke& strok
   // Open strokes end on what their ends touch.
   if (!stroke.closed && !contacts.empty()) {
     if (contacts.front().arc <= 2 * snap) contacts.front().arc = 0;
-    if (line.length() - contacts.back().arc <= 2 * snap && contacts.size() > 1) contacts.back().arc = line.length();
+    if (stroke.length - contacts.back().arc <= 2 * snap && contacts.size() > 1)
+      contacts.back().arc = stroke.length;  // exactly, whatever rounding did to the line
   }
   if (stroke.closed && contacts.size() > 1) {  // the start may lie on a contact
     const Contact &first = contacts.front(), &last = contacts.back();

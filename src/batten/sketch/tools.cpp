@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -31,12 +32,48 @@ double default_snap(const PolylineMesh& mesh, const Points& stroke) {
   return any ? 0.015 * (all.high - all.low).norm() : 0;
 }
 
-EditReport set_curve_sharpness(PolylineMesh& mesh, int curve, double sharpness) {
+namespace {
+
+/// The edges of a curve on the way from one of its vertices to another, the fewest there are.
+std::vector<int> edges_between(const PolylineMesh& mesh, int curve, int from, int to) {
+  std::map<int, int> arrived_by{{from, -1}};  // vertex → edge
+  std::vector<int> queue{from};
+  for (size_t k = 0; k < queue.size() && arrived_by.count(to) == 0; ++k)
+    for (const int e : mesh.vertex(queue[k]).edges) {
+      if (mesh.edge(e).curve != curve) continue;
+      const auto& ends = mesh.edge(e).vertices;
+      const int next = ends[0] == queue[k] ? ends[1] : ends[0];
+      if (arrived_by.emplace(next, e).second) queue.push_back(next);
+    }
+  std::vector<int> way;
+  if (arrived_by.count(to) == 0) return way;
+  for (int at = to; at != from;) {
+    const int e = arrived_by.at(at);
+    way.push_back(e);
+    at = mesh.edge(e).vertices[mesh.edge(e).vertices[0] == at ? 1 : 0];
+  }
+  return way;
+}
+
+}  // namespace
+
+EditReport set_curve_sharpness(PolylineMesh& mesh, int curve, double sharpness,
+                               const std::optional<std::array<int, 2>>& between) {
   require_curve(mesh, curve);
   if (!(sharpness >= 0 && sharpness <= 1))
     throw RefusedEdit(concat("the sharpness of c", curve, " would be ", sharpness),
                       "give a value from 0 (smooth) to 1 (sharp)");
-  for (const int e : mesh.edges_of_curve(curve)) mesh.set_sharpness(e, sharpness);
+  std::vector<int> edges = mesh.edges_of_curve(curve);
+  if (between) {
+    for (const int v : *between)
+      if (v < 0 || static_cast<size_t>(v) >= mesh.vertices().size() || !mesh.vertex(v).alive)
+        throw RefusedEdit(concat("there is no vertex v", v), "name two vertices of the curve");
+    edges = edges_between(mesh, curve, (*between)[0], (*between)[1]);
+    if (edges.empty())
+      throw RefusedEdit(concat("c", curve, " does not lead from v", (*between)[0], " to v", (*between)[1]),
+                        "name two different vertices of the curve");
+  }
+  for (const int e : edges) mesh.set_sharpness(e, sharpness);
   return {};
 }
 

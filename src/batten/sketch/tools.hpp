@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -73,7 +74,9 @@ EditReport skin_profiles(PolylineMesh& mesh, const std::vector<DrawnStroke>& pro
                          const std::array<DrawnStroke, 2>& spines, const InsertOptions& options = {});
 
 /// Tags a curve as smooth (0), sharp (1) or between.
-EditReport set_curve_sharpness(PolylineMesh& mesh, int curve, double sharpness);
+/// @param between two vertices of the curve: only its part from the one to the other, over the fewest edges.
+EditReport set_curve_sharpness(PolylineMesh& mesh, int curve, double sharpness,
+                               const std::optional<std::array<int, 2>>& between = std::nullopt);
 
 /// Moves everything. @param matrix 4 × 4, affine and not singular. One that mirrors also turns the faces.
 EditReport transform_model(PolylineMesh& mesh, const Eigen::Matrix4d& matrix);
