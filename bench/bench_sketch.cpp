@@ -37,7 +37,8 @@ void BM_InsertAndUndo(benchmark::State& state) {
   const double cell = 1.0 / (static_cast<double>(state.range(0)) / 2 + 1);
   const int row = static_cast<int>(0.5 / cell);
   const double y = (row + 0.4) * cell, x0 = row * cell;
-  const Edit edit = InsertEdit{{polygon({Vector3d(x0, y, 0), Vector3d(x0 + 3 * cell, y, 0)}), false}, {.snap = 1e-4}};
+  const Edit edit =
+      InsertEdit{{polygon({Vector3d(x0, y, 0), Vector3d(x0 + 3 * cell, y, 0)}), false}, {.snap = 1e-4}};
   for (auto _ : state) {
     document.apply(edit);
     document.apply(UndoEdit{});

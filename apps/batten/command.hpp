@@ -33,7 +33,7 @@ struct Outcome {
   std::vector<std::string> warnings;  ///< becomes "warnings"; printed to stderr without --json
   std::vector<std::string> lines;     ///< printed to stdout without --json
   Exhibit exhibit;                    ///< drawn by --report; may be empty
-  std::string failure;                ///< a sentence: the result is printed all the same, and the exit code is 1
+  std::string failure;  ///< a sentence: the result is printed all the same, and the exit code is 1
 };
 
 /// The surroundings of a command that runs.

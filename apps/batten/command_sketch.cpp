@@ -12,9 +12,11 @@
 #include "batten/session/journal.hpp"
 #include "batten/session/project.hpp"
 #include "batten/sketch/diffusion_surface.hpp"
+#include "batten/sketch/model_network.hpp"
 #include "batten/subdivision/bspline_surface.hpp"
 #include "batten/subdivision/step.hpp"
 #include "batten/subdivision/subdivide.hpp"
+#include "batten/surfacing/surface.hpp"
 
 namespace batten::cli {
 
@@ -52,7 +54,10 @@ void describe(const PolylineMesh& mesh, Json& figures) {
     if (!edge.alive) continue;
     Json& curve = curves[static_cast<size_t>(edge.curve)];
     if (curve.is_null())
-      curve = {{"id", id('c', edge.curve)}, {"length", 0.0}, {"sharpness", edge.sharpness}, {"drawn", edge.drawn},
+      curve = {{"id", id('c', edge.curve)},
+               {"length", 0.0},
+               {"sharpness", edge.sharpness},
+               {"drawn", edge.drawn},
                {"edges", Json::array()}};
     curve["length"] = curve["length"].get<double>() + edge.polyline->length();
     curve["edges"].push_back({id('v', edge.vertices[0]), id('v', edge.vertices[1])});
@@ -64,8 +69,9 @@ void describe(const PolylineMesh& mesh, Json& figures) {
   for (size_t v = 0; v < mesh.vertices().size(); ++v) {
     const SketchVertex& vertex = mesh.vertices()[v];
     if (vertex.alive)
-      figures["vertex_list"].push_back({{"id", id('v', static_cast<int>(v))},
-                                        {"position", {vertex.position.x(), vertex.position.y(), vertex.position.z()}}});
+      figures["vertex_list"].push_back(
+          {{"id", id('v', static_cast<int>(v))},
+           {"position", {vertex.position.x(), vertex.position.y(), vertex.position.z()}}});
   }
   figures["face_list"] = Json::array();
   for (size_t f = 0; f < mesh.faces().size(); ++f) {
@@ -77,7 +83,8 @@ void describe(const PolylineMesh& mesh, Json& figures) {
 }
 
 /// Plays a session; refused edits are told and passed over.
-void play(const Session& session, const std::string& path, Project& project, Context& context, Outcome& outcome) {
+void play(const Session& session, const std::string& path, Project& project, Context& context,
+          Outcome& outcome) {
   project.unit = session.unit;
   Json edits = Json::array(), refused = Json::array();
   for (size_t k = 0; k < session.edits.size(); ++k) {
@@ -86,20 +93,24 @@ void play(const Session& session, const std::string& path, Project& project, Con
     const std::string op = name_of_op(edit.edit);
     try {
       const EditOutcome done = project.document.apply(edit.edit);
-      edits.push_back({{"line", edit.line}, {"op", op}, {"curves", ids('c', done.report.curves)},
+      edits.push_back({{"line", edit.line},
+                       {"op", op},
+                       {"curves", ids('c', done.report.curves)},
                        {"vertices", ids('v', done.vertices)}});
       for (const std::string& remark : done.report.remarks) {
         edits.back()["remarks"].push_back(remark);
         outcome.lines.push_back(concat("line ", edit.line, ": ", remark));
       }
     } catch (const RefusedEdit& refusal) {
-      refused.push_back({{"line", edit.line}, {"op", op}, {"reason", refusal.reason()}, {"remedy", refusal.remedy()}});
+      refused.push_back(
+          {{"line", edit.line}, {"op", op}, {"reason", refusal.reason()}, {"remedy", refusal.remedy()}});
       outcome.lines.push_back(concat("line ", edit.line, ": ", op, " refused: ", refusal.what()));
     }
   }
   if (session.torn)
-    outcome.warnings.push_back(concat(path, ":", session.torn_line,
-                                      ": the last line is not finished; the edit that was being written is lost"));
+    outcome.warnings.push_back(
+        concat(path, ":", session.torn_line,
+               ": the last line is not finished; the edit that was being written is lost"));
   outcome.figures["edits_done"] = edits.size();
   outcome.figures["edits_refused"] = refused.size();
   outcome.figures["edits"] = std::move(edits);
@@ -110,7 +121,8 @@ void play(const Session& session, const std::string& path, Project& project, Con
 double millimetres_in(const std::string& unit) {
   const Length one = parse_length("1" + unit);
   if (one.kind != Length::Kind::Metres)
-    throw InvalidInput(concat("the unit of the session is '", unit, "'; STEP needs m, cm, mm, um, km, in or ft"));
+    throw InvalidInput(
+        concat("the unit of the session is '", unit, "'; STEP needs m, cm, mm, um, km, in or ft"));
   return 1000 * one.value;
 }
 
@@ -128,9 +140,12 @@ Triangles cut_quads(const PolygonMesh& mesh) {
 }
 
 /// The surface of H 6.4 and what is written of it.
-void make_surface(const SketchArguments& arguments, const Project& project, const Context& context, Outcome& outcome) {
+void make_surface(const SketchArguments& arguments, const Project& project, const Context& context,
+                  Outcome& outcome) {
   DiffusionOptions options;
   options.splits = arguments.splits;
+  // Filling the network does not refine it any further, so it wants more samples along its curves.
+  if (arguments.method == "curvature") options.splits = std::min(options.splits + 1, 6);
   const DiffusionSurface surface = diffusion_surface(project.document.mesh(), options, context.progress);
   outcome.times.add(surface.times);
   Json& figures = outcome.figures["surface"] = Json::object();
@@ -138,7 +153,15 @@ void make_surface(const SketchArguments& arguments, const Project& project, cons
   figures["last_move"] = surface.last_move;
   if (!arguments.surface.empty()) {
     TriangleMesh mesh;
-    {
+    if (arguments.method == "curvature") {
+      SurfaceResult filled =
+          surface_network(network_of_model(project.document.mesh(), surface), {}, context.progress);
+      outcome.times.add(filled.times);
+      outcome.warnings.insert(outcome.warnings.end(), filled.warnings.begin(), filled.warnings.end());
+      figures["cycles"] = filled.n_cycles;
+      figures["folded_triangles"] = filled.folded_triangles;
+      mesh = std::move(filled.mesh);
+    } else {
       const ScopedStage stage(outcome.times, "subdivision");
       SubdivisionOptions subdivision;
       subdivision.levels = arguments.levels;
@@ -197,16 +220,18 @@ Outcome run_sketch(const SketchArguments& arguments, Context& context) {
     write_project(arguments.output, project);
   }
   const SketchCounts counts = mesh.counts();
-  outcome.lines.push_back(concat(arguments.output, ": ", counts.curves, " curves, ", counts.vertices, " vertices, ",
-                                 counts.faces, " faces, ", counts.components, " component", counts.components == 1 ? "" : "s",
-                                 ", ", counts.boundary_loops, " border", counts.boundary_loops == 1 ? "" : "s", ", genus ",
-                                 counts.genus));
-  if (!arguments.surface.empty() || !arguments.step.empty()) make_surface(arguments, project, context, outcome);
+  outcome.lines.push_back(concat(arguments.output, ": ", counts.curves, " curves, ", counts.vertices,
+                                 " vertices, ", counts.faces, " faces, ", counts.components, " component",
+                                 counts.components == 1 ? "" : "s", ", ", counts.boundary_loops, " border",
+                                 counts.boundary_loops == 1 ? "" : "s", ", genus ", counts.genus));
+  if (!arguments.surface.empty() || !arguments.step.empty())
+    make_surface(arguments, project, context, outcome);
   const auto n_refused = outcome.figures["refused"].size();
   if (arguments.strict && n_refused > 0)
-    outcome.failure = concat(n_refused, " edit", n_refused == 1 ? " was" : "s were", " refused, the first in line ",
-                             outcome.figures["refused"][0]["line"].get<long>(), ": ",
-                             outcome.figures["refused"][0]["reason"].get<std::string>());
+    outcome.failure =
+        concat(n_refused, " edit", n_refused == 1 ? " was" : "s were", " refused, the first in line ",
+               outcome.figures["refused"][0]["line"].get<long>(), ": ",
+               outcome.figures["refused"][0]["reason"].get<std::string>());
   return outcome;
 }
 
@@ -214,17 +239,23 @@ Outcome run_sketch(const SketchArguments& arguments, Context& context) {
 
 void add_sketch(CLI::App& app) {
   const auto arguments = std::make_shared<SketchArguments>();
-  CLI::App* command = add_command(app, "sketch", "Play a recorded sketching session into a model of curves and faces.",
-                                  "batten sketch session.jsonl -o model.batten --json",
-                                  [arguments](Context& context) { return run_sketch(*arguments, context); });
-  command->add_option("session", arguments->session, "Session (JSON lines), or a project (.batten)")->required();
+  CLI::App* command =
+      add_command(app, "sketch", "Play a recorded sketching session into a model of curves and faces.",
+                  "batten sketch session.jsonl -o model.batten --json",
+                  [arguments](Context& context) { return run_sketch(*arguments, context); });
+  command->add_option("session", arguments->session, "Session (JSON lines), or a project (.batten)")
+      ->required();
   command->add_option("-o,--output", arguments->output, "Project to write: .batten")->required();
   command->add_option("--surface", arguments->surface, "Surface to write: .ply, .obj, .off or .stl");
-  command->add_option("--method", arguments->method, "How the surface is made: v2, by diffusion of mean curvature")
-      ->check(CLI::IsMember({"v2"}));
+  command
+      ->add_option(
+          "--method", arguments->method,
+          "How the surface is made: v2, by diffusion of mean curvature, or curvature, by filling the network")
+      ->check(CLI::IsMember({"v2", "curvature"}));
   command->add_option("--levels", arguments->levels, "Levels of Catmull-Clark subdivision after the flow")
       ->check(CLI::Range(0, 6));
-  command->add_option("--splits", arguments->splits, "Splits of the faces before the flow: 3 gives 16 n quads")
+  command
+      ->add_option("--splits", arguments->splits, "Splits of the faces before the flow: 3 gives 16 n quads")
       ->check(CLI::Range(1, 6));
   command->add_option("--step", arguments->step, "STEP file to write: the limit surface as B-spline patches");
   command->add_flag("--strict", arguments->strict, "Exit with 1 when an edit was refused");

@@ -40,7 +40,8 @@ TEST(SketchCommand, CountsAndIdsOfASession) {
   EXPECT_TRUE(json["seconds"].contains("edits"));
   // The project is read back as the same model.
   const Json again = run_json("sketch square.batten -o again.batten");
-  for (const char* figure : {"curve_list", "vertex_list", "face_list"}) EXPECT_EQ(again[figure], json[figure]) << figure;
+  for (const char* figure : {"curve_list", "vertex_list", "face_list"})
+    EXPECT_EQ(again[figure], json[figure]) << figure;
   EXPECT_EQ(read_file("again.batten"), read_file("square.batten"));
 }
 
@@ -52,7 +53,8 @@ TEST(SketchCommand, RefusedEditsAreListedAndStrictMakesThemFail) {
   ASSERT_EQ(json["refused"].size(), 3u);
   EXPECT_EQ(json["refused"][0]["line"], 3);
   EXPECT_EQ(json["refused"][0]["op"], "insert");
-  EXPECT_NE(json["refused"][0]["reason"].get<std::string>().find("0.3 from the nearest curve, c0"), std::string::npos);
+  EXPECT_NE(json["refused"][0]["reason"].get<std::string>().find("0.3 from the nearest curve, c0"),
+            std::string::npos);
   EXPECT_FALSE(json["refused"][0]["remedy"].get<std::string>().empty());
   EXPECT_EQ(json["faces"], 1);
   run_json("sketch refused.jsonl -o refused.batten --strict", 1);
@@ -82,11 +84,12 @@ TEST(SketchCommand, ExampleSessionsGiveClosedSurfacesOfTheirGenus) {
     int genus, faces;
   };
   const std::string folder = std::string(BATTEN_TEST_DATA) + "/../../examples/sessions/";
-  for (const Example& example : {Example{"sphere", 0, 8}, Example{"cube", 0, 6}, Example{"cross", 0, 14},
-                                 Example{"bottle", 1, 22}, Example{"charger", 0, 14}, Example{"telephone", 0, 8}}) {
+  for (const Example& example :
+       {Example{"sphere", 0, 8}, Example{"cube", 0, 6}, Example{"cross", 0, 14}, Example{"bottle", 1, 22},
+        Example{"charger", 0, 14}, Example{"telephone", 0, 8}}) {
     const std::string name = example.name;
-    const Json json =
-        run_json("sketch " + folder + name + ".jsonl -o " + name + ".batten --strict --surface " + name + ".ply --levels 1");
+    const Json json = run_json("sketch " + folder + name + ".jsonl -o " + name +
+                               ".batten --strict --surface " + name + ".ply --levels 1");
     EXPECT_EQ(json["refused"], Json::array()) << name;
     EXPECT_EQ(json["components"], 1) << name;
     EXPECT_EQ(json["boundary_loops"], 0) << name;

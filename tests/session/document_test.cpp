@@ -1,4 +1,5 @@
 #include "batten/session/document.hpp"
+
 #include "../sketch/strokes.hpp"
 
 #include <Eigen/Geometry>
@@ -90,8 +91,11 @@ DrawnStroke random_stroke(const PolylineMesh& mesh, Random& random) {
 
 Edit random_edit(const PolylineMesh& mesh, Random& random) {
   const double kind = random.uniform();
-  const auto curve = [&]() { return static_cast<int>(random.below(static_cast<std::uint64_t>(mesh.n_curves()) + 1)); };
-  if (kind < 0.4 || mesh.empty()) return InsertEdit{random_stroke(mesh, random), {.sharpness = random.uniform() < 0.3 ? 1.0 : 0.0}};
+  const auto curve = [&]() {
+    return static_cast<int>(random.below(static_cast<std::uint64_t>(mesh.n_curves()) + 1));
+  };
+  if (kind < 0.4 || mesh.empty())
+    return InsertEdit{random_stroke(mesh, random), {.sharpness = random.uniform() < 0.3 ? 1.0 : 0.0}};
   if (kind < 0.55) return DeleteEdit{curve()};
   if (kind < 0.58) return SharpnessEdit{curve(), random.uniform(-0.1, 1.1), {}};
   if (kind < 0.62) {
@@ -103,7 +107,9 @@ Edit random_edit(const PolylineMesh& mesh, Random& random) {
     const SketchEdge& edge = mesh.edges()[random.below(mesh.edges().size())];
     const Vector3d middle = edge.alive ? edge.polyline->at(edge.polyline->length() / 2) : kO;
     const Vector3d a = random.uniform(0.05, 0.3) * random.direction();
-    return HoleEdit{circle(middle + (random.uniform() < 0.5 ? 0.0 : 0.3) * random.normal3(), a, a.norm() * a.unitOrthogonal(), 32), {}};
+    return HoleEdit{circle(middle + (random.uniform() < 0.5 ? 0.0 : 0.3) * random.normal3(), a,
+                           a.norm() * a.unitOrthogonal(), 32),
+                    {}};
   }
   if (kind < 0.8) {  // between two borders, where there are two
     std::vector<const SketchEdge*> border;
@@ -111,21 +117,28 @@ Edit random_edit(const PolylineMesh& mesh, Random& random) {
       if (edge.alive && (edge.faces[0] < 0 || edge.faces[1] < 0)) border.push_back(&edge);
     GlueEdit glue;
     if (border.empty()) return UndoEdit{};
-    const auto end = [&](const SketchEdge* edge) { return edge->polyline->at(edge->polyline->length() * random.uniform()); };
+    const auto end = [&](const SketchEdge* edge) {
+      return edge->polyline->at(edge->polyline->length() * random.uniform());
+    };
     const SketchEdge *a = border[random.below(border.size())], *b = border[random.below(border.size())];
     glue.first = {polygon({end(a), end(b)}), false};
     glue.second = {polygon({end(a), end(b)}), false};
     return glue;
   }
   if (kind < 0.84) {
-    const Vector3d axis = random.direction(), x = axis.unitOrthogonal(), y = axis.cross(x), at = 4 * random.normal3();
+    const Vector3d axis = random.direction(), x = axis.unitOrthogonal(), y = axis.cross(x),
+                   at = 4 * random.normal3();
     return SkinEdit{{circle(at, x, y, 40), circle(at + axis, x, y, 40)},
-                    {DrawnStroke{polygon({at + x, at + x + axis}), false}, DrawnStroke{polygon({at - x, at - x + axis}), false}},
+                    {DrawnStroke{polygon({at + x, at + x + axis}), false},
+                     DrawnStroke{polygon({at - x, at - x + axis}), false}},
                     {}};
   }
   if (kind < 0.86) {
     Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
-    matrix.topLeftCorner<3, 3>() = Eigen::Quaterniond(random.normal(), random.normal(), random.normal(), random.normal()).normalized().toRotationMatrix();
+    matrix.topLeftCorner<3, 3>() =
+        Eigen::Quaterniond(random.normal(), random.normal(), random.normal(), random.normal())
+            .normalized()
+            .toRotationMatrix();
     matrix(0, 3) = random.normal();
     if (random.uniform() < 0.5) matrix.col(0) *= -1;
     return TransformEdit{matrix};
@@ -135,7 +148,8 @@ Edit random_edit(const PolylineMesh& mesh, Random& random) {
 }
 
 // Random tools called 10,000 times (issue: "keep the invariants, the Euler characteristic predicted for each
-// tool, and replay identically"). What a tool predicts is counted from its steps; χ is counted from the result.
+// tool, and replay identically"). What a tool predicts is counted from its steps; χ is counted from the
+// result.
 TEST(Document, RandomEditsKeepInvariantsAndReplayIdentically) {
 #ifdef __SANITIZE_ADDRESS__
   constexpr int kSessions = 4, kCalls = 250;

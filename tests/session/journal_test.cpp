@@ -1,11 +1,11 @@
 #include "batten/session/journal.hpp"
+
 #include "../sketch/strokes.hpp"
 
 #include <filesystem>
 #include <fstream>
 
 #include <gtest/gtest.h>
-
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -28,18 +28,20 @@ std::vector<Edit> one_of_each() {
   mirror.axis = polygon({kO, kX}, 1);
   MirrorEdit drawn_mirror;
   drawn_mirror.stroke.points = square;
-  return {InsertEdit{{square, true}, {.snap = 0.1, .sharpness = 0.25, .into = Into::Opening}},
-          DeleteEdit{3},
-          SharpnessEdit{2, 1.0 / 3, std::array<int, 2>{4, 5}},
-          mirror,
-          drawn_mirror,
-          HoleEdit{{square, false}, {}},
-          GlueEdit{{square, false}, {square, false}, std::array<int, 2>{4, 7}, {}},
-          SkinEdit{{{square, false}, {square, true}}, {DrawnStroke{square, false}, DrawnStroke{square, false}}, {}},
-          AlignEdit{2, {square, false}},
-          TransformEdit{Eigen::Matrix4d::Constant(0.1)},
-          UndoEdit{},
-          RedoEdit{}};
+  return {
+      InsertEdit{{square, true}, {.snap = 0.1, .sharpness = 0.25, .into = Into::Opening}},
+      DeleteEdit{3},
+      SharpnessEdit{2, 1.0 / 3, std::array<int, 2>{4, 5}},
+      mirror,
+      drawn_mirror,
+      HoleEdit{{square, false}, {}},
+      GlueEdit{{square, false}, {square, false}, std::array<int, 2>{4, 7}, {}},
+      SkinEdit{
+          {{square, false}, {square, true}}, {DrawnStroke{square, false}, DrawnStroke{square, false}}, {}},
+      AlignEdit{2, {square, false}},
+      TransformEdit{Eigen::Matrix4d::Constant(0.1)},
+      UndoEdit{},
+      RedoEdit{}};
 }
 
 TEST(EditJson, EveryEditReadsBackAsItWasWritten) {
@@ -48,7 +50,8 @@ TEST(EditJson, EveryEditReadsBackAsItWasWritten) {
     EXPECT_EQ(line.find('\n'), std::string::npos);
     EXPECT_EQ(format_edit(parse_edit(line)), line);
   }
-  const auto sharpness = std::get<SharpnessEdit>(parse_edit(format_edit(SharpnessEdit{2, 1.0 / 3, std::array<int, 2>{4, 5}})));
+  const auto sharpness =
+      std::get<SharpnessEdit>(parse_edit(format_edit(SharpnessEdit{2, 1.0 / 3, std::array<int, 2>{4, 5}})));
   EXPECT_EQ(sharpness.value, 1.0 / 3);  // bit for bit
 }
 
@@ -99,7 +102,8 @@ TEST(Session, ErrorsCarryTheLine) {
 }
 
 TEST(Session, UnfinishedLastLineIsToldAndPassedOver) {
-  const std::string text = "{\"batten_session\":1,\"unit\":\"m\"}\n{\"op\":\"undo\"}\n{\"op\":\"delete\",\"curve\":\"c1\"}";
+  const std::string text =
+      "{\"batten_session\":1,\"unit\":\"m\"}\n{\"op\":\"undo\"}\n{\"op\":\"delete\",\"curve\":\"c1\"}";
   EXPECT_EQ(parse_session(text, "s").edits.size(), 2u);  // whole, without an end of line
   EXPECT_FALSE(parse_session(text, "s").torn);
   const size_t second = text.rfind('\n') + 1;
@@ -131,7 +135,8 @@ TEST(Journal, ContinuesAfterATornLine) {
 }
 
 TEST(Journal, KilledProcessLosesAtMostTheEditInFlight) {
-  // A child confirms edits through a pipe and is killed without warning; whatever it confirmed is on the disk.
+  // A child confirms edits through a pipe and is killed without warning; whatever it confirmed is on the
+  // disk.
   const std::string path = path_of("killed.jsonl");
   int pipe_ends[2];
   ASSERT_EQ(pipe(pipe_ends), 0);
@@ -140,7 +145,8 @@ TEST(Journal, KilledProcessLosesAtMostTheEditInFlight) {
     Journal journal(path);
     Document document;
     for (int k = 0;; ++k) {
-      const Edit edit = k == 0 ? Edit(InsertEdit{circle(kO, kX, kY), {}}) : Edit(SharpnessEdit{0, (k % 100) / 100.0, {}});
+      const Edit edit =
+          k == 0 ? Edit(InsertEdit{circle(kO, kX, kY), {}}) : Edit(SharpnessEdit{0, (k % 100) / 100.0, {}});
       document.apply(edit, [&](const Edit& done) { journal.write(done); });
       if (write(pipe_ends[1], "x", 1) != 1) _exit(1);
     }

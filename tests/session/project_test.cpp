@@ -1,4 +1,5 @@
 #include "batten/session/project.hpp"
+
 #include "../sketch/strokes.hpp"
 
 #include <gtest/gtest.h>

@@ -1,9 +1,16 @@
 #include "batten/sketch/diffusion_surface.hpp"
+
 #include "strokes.hpp"
+
+#include <cmath>
+#include <iostream>
 
 #include <gtest/gtest.h>
 
 #include "batten/core/error.hpp"
+#include "batten/sketch/model_network.hpp"
+#include "batten/subdivision/subdivide.hpp"
+#include "batten/surfacing/surface.hpp"
 
 namespace batten {
 namespace {
@@ -44,7 +51,8 @@ TEST(DiffusionSurface, ThreeGreatCirclesBecomeASphere) {
     EXPECT_EQ(surface.refined.mesh.n_faces(), 8 * 3 << (2 * splits - 2));
     const double error = largest_radius_error(surface.refined.mesh.positions);
     RecordProperty("largest_error_" + std::to_string(splits), std::to_string(error));
-    std::cout << "largest error of the radius with " << surface.refined.mesh.n_faces() << " quads: " << error << '\n';
+    std::cout << "largest error of the radius with " << surface.refined.mesh.n_faces() << " quads: " << error
+              << '\n';
     EXPECT_LT(error, bound) << splits;
   }
 }
@@ -71,7 +79,8 @@ TEST(DiffusionSurface, FaceWithinSharpEdgesIsPlanar) {
   for (size_t e = 0; e < mesh.edges().size(); ++e) {
     const SketchEdge& edge = mesh.edges()[e];
     const auto high = [&](int v) { return mesh.vertex(v).position.z() > 0.5; };
-    if (edge.alive && high(edge.vertices[0]) && high(edge.vertices[1])) mesh.set_sharpness(static_cast<int>(e), 1);
+    if (edge.alive && high(edge.vertices[0]) && high(edge.vertices[1]))
+      mesh.set_sharpness(static_cast<int>(e), 1);
   }
   mesh.commit();
   const DiffusionSurface surface = diffusion_surface(mesh);
@@ -80,7 +89,8 @@ TEST(DiffusionSurface, FaceWithinSharpEdgesIsPlanar) {
   for (size_t f = 0; f < mesh.faces().size(); ++f) {
     if (!mesh.faces()[f].alive) continue;
     bool high = true;
-    for (const int side : mesh.faces()[f].sides) high = high && mesh.vertex(mesh.start_of(side)).position.z() > 0.5;
+    for (const int side : mesh.faces()[f].sides)
+      high = high && mesh.vertex(mesh.start_of(side)).position.z() > 0.5;
     if (high) top = static_cast<int>(f);
   }
   ASSERT_GE(top, 0);
@@ -109,12 +119,48 @@ TEST(DiffusionSurface, DrawnCurvesAreKeptExactlyOrSoftly) {
   EXPECT_NE(soft.refined.mesh.positions, exact.refined.mesh.positions);
 }
 
+TEST(DiffusionSurface, LimitSurfaceGoesThroughTheRefinedMesh) {
+  // The limit points of OpenSubdiv are a second implementation of the stencils behind `cage`; the cube has
+  // creases, corners and darts, the disc a border.
+  PolylineMesh sharp = cube();
+  for (const PolylineMesh& mesh : {sharp, three_great_circles(), model({{circle(kO, kX, kY), {}}})}) {
+    const DiffusionSurface surface = diffusion_surface(mesh, {.splits = 2});
+    const SubdividedSurface fine = subdivide(surface.cage, {.levels = 1, .limit = true});
+    const Points& refined = surface.refined.mesh.positions;
+    EXPECT_LT((fine.limit_positions.topRows(refined.rows()) - refined).rowwise().norm().maxCoeff(), 1e-6);
+  }
+}
+
+TEST(DiffusionSurface, FinishedSphereIsWithinThreePerMille) {
+  // Bound of the issue: the mean of the finished surface within 0.3 %.
+  const DiffusionSurface surface = diffusion_surface(three_great_circles());
+  const SubdividedSurface fine = subdivide(surface.cage, {.levels = 2, .limit = true});
+  const double mean = (fine.limit_positions.rowwise().norm().array() - 1).abs().mean();
+  std::cout << "mean error of the finished sphere: " << mean << '\n';
+  EXPECT_LT(mean, 3e-3);
+}
+
+TEST(NetworkOfModel, IsFilledIntoTheSameSphere) {
+  // Curvature surfacing with estimated normals; bound of the issue: 0.3 % in the mean.
+  const PolylineMesh mesh = three_great_circles();
+  const CurveNetwork network = network_of_model(mesh, diffusion_surface(mesh, {.splits = 4}));
+  EXPECT_EQ(network.curves.size(), 12u);
+  for (Eigen::Index v = 0; v < network.positions.rows(); ++v)
+    EXPECT_GT(network.positions.row(v).normalized().dot(network.normals.row(v)), std::cos(0.02));
+  const SurfaceResult filled = surface_network(network);
+  EXPECT_EQ(filled.n_cycles, 8);
+  const double mean = (filled.mesh.positions.rowwise().norm().array() - 1).abs().mean();
+  std::cout << "mean error of the filled sphere: " << mean << '\n';
+  EXPECT_LT(mean, 3e-3);
+}
+
 TEST(DiffusionSurface, BadOptionsAndEmptyModelsAreNamed) {
   EXPECT_THROW(diffusion_surface(PolylineMesh()), InvalidInput);
   EXPECT_THROW(diffusion_surface(three_great_circles(), {.splits = 0}), InvalidInput);
   EXPECT_THROW(diffusion_surface(three_great_circles(), {.time_step = 0}), InvalidInput);
-  EXPECT_THROW(diffusion_surface(three_great_circles(), {}, Progress([](std::string_view, double) { return false; })),
-               Cancelled);
+  EXPECT_THROW(
+      diffusion_surface(three_great_circles(), {}, Progress([](std::string_view, double) { return false; })),
+      Cancelled);
 }
 
 }  // namespace

@@ -11,8 +11,8 @@
 namespace batten::strokes {
 
 /// c + r (cos t a + sin t b) for t from t0 to t1.
-inline Points arc(const Eigen::Vector3d& centre, const Eigen::Vector3d& a, const Eigen::Vector3d& b, double t0, double t1,
-                  int n = 100) {
+inline Points arc(const Eigen::Vector3d& centre, const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+                  double t0, double t1, int n = 100) {
   Points points(n + 1, 3);
   for (int i = 0; i <= n; ++i) {
     const double t = t0 + (t1 - t0) * i / n;
@@ -22,7 +22,8 @@ inline Points arc(const Eigen::Vector3d& centre, const Eigen::Vector3d& a, const
 }
 
 /// A closed circle around a centre, spanned by two radii.
-inline DrawnStroke circle(const Eigen::Vector3d& centre, const Eigen::Vector3d& a, const Eigen::Vector3d& b, int n = 100) {
+inline DrawnStroke circle(const Eigen::Vector3d& centre, const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+                          int n = 100) {
   return {arc(centre, a, b, 0, 2 * kPi * (n - 1) / n, n - 1), true};
 }
 
@@ -33,7 +34,8 @@ inline Points polygon(std::initializer_list<Eigen::Vector3d> corners, int n = 20
   for (Eigen::Index i = 0; i < points.rows(); ++i) {
     const auto k = static_cast<size_t>(i) / static_cast<size_t>(n);
     const double t = static_cast<double>(i % n) / n;
-    points.row(i) = (k + 1 < all.size() ? ((1 - t) * all[k] + t * all[k + 1]).eval() : all.back()).transpose();
+    points.row(i) =
+        (k + 1 < all.size() ? ((1 - t) * all[k] + t * all[k + 1]).eval() : all.back()).transpose();
   }
   return points;
 }
@@ -51,7 +53,7 @@ inline EditReport edit(PolylineMesh& mesh, const std::function<EditReport(Polyli
   }
 }
 
-inline const Eigen::Vector3d kX = Eigen::Vector3d::UnitX(), kY = Eigen::Vector3d::UnitY(), kZ = Eigen::Vector3d::UnitZ(),
-                             kO = Eigen::Vector3d::Zero();
+inline const Eigen::Vector3d kX = Eigen::Vector3d::UnitX(), kY = Eigen::Vector3d::UnitY(),
+                             kZ = Eigen::Vector3d::UnitZ(), kO = Eigen::Vector3d::Zero();
 
 }  // namespace batten::strokes

@@ -1,4 +1,5 @@
 #include "batten/sketch/tools.hpp"
+
 #include "strokes.hpp"
 
 #include <Eigen/Geometry>
@@ -64,7 +65,9 @@ PolylineMesh tube(int n_profiles = 2) {
   for (int k = 0; k < n_profiles; ++k) profiles.push_back(circle(k * kZ, kX, kY));
   const Vector3d top = (n_profiles - 1) * kZ;
   edit(mesh, [&](PolylineMesh& m) {
-    return skin_profiles(m, profiles, {DrawnStroke{polygon({kX, kX + top}), false}, DrawnStroke{polygon({-kX, top - kX}), false}});
+    return skin_profiles(
+        m, profiles,
+        {DrawnStroke{polygon({kX, kX + top}), false}, DrawnStroke{polygon({-kX, top - kX}), false}});
   });
   return mesh;
 }
@@ -103,8 +106,7 @@ TEST(InsertCurve, StrokeOverSeveralFacesDividesEachOfThem) {
 TEST(InsertCurve, ThreeGreatCirclesMakeAClosedSphereOfEightTriangles) {
   const PolylineMesh mesh = octahedral_sphere();
   expect_counts(mesh, 6, 12, 8, 0, 0);  // the octahedron
-  for (const SketchFace& face : mesh.faces())
-    EXPECT_EQ(face.sides.size(), face.alive ? 3u : 0u);
+  for (const SketchFace& face : mesh.faces()) EXPECT_EQ(face.sides.size(), face.alive ? 3u : 0u);
   // The polylines stay on the unit sphere: chords sag by 1e-5 of the length, the fit is as good.
   for (const SketchEdge& edge : mesh.edges()) {
     if (!edge.alive) continue;
@@ -177,12 +179,15 @@ TEST(InsertCurve, RefusalsNameTheCurveAndTheDistance) {
   text = refusal(mesh, insertion(circle(kO, 0.3 * kX, 0.3 * kY), 0.01));
   EXPECT_CONTAINS(text, "hole");
   EXPECT_CONTAINS(text, "0.7 away");
-  // Rule 2 of H 5.1.1: c1 is passed at a distance of nearly 0.2 (the tip is rounded off) although it lies on the way.
+  // Rule 2 of H 5.1.1: c1 is passed at a distance of nearly 0.2 (the tip is rounded off) although it lies on
+  // the way.
   insert(mesh, {polygon({-kX, kX}), false});
   text = refusal(mesh, insertion({polygon({-kY, 0.2 * kZ, kY}, 50), false}, 0.05));
   EXPECT_CONTAINS(text, "passes c1 at a distance of 0.196");
   // Rule 1: both ends on one piece of a curve.
-  text = refusal(mesh, insertion({polygon({Vector3d(-0.5, 0, 0), Vector3d(0, 0.3, 0), Vector3d(0.5, 0, 0)}), false}, 0.01));
+  text = refusal(
+      mesh,
+      insertion({polygon({Vector3d(-0.5, 0, 0), Vector3d(0, 0.3, 0), Vector3d(0.5, 0, 0)}), false}, 0.01));
   EXPECT_CONTAINS(text, "starts and ends on the same piece of c1");
   // Along a curve.
   text = refusal(mesh, insertion({polygon({-kX + 0.005 * kY, kX + 0.005 * kY}), false}, 0.02));
@@ -246,19 +251,20 @@ TEST(DeleteCurve, RefusesToMakeAFaceThatIsNoDisc) {
 TEST(CutHole, WithinAFaceTiesTheHoleToTheCorners) {
   PolylineMesh mesh;
   insert(mesh, {polygon({kO, kX, kX + kY, kY, kO}), true});
-  const EditReport report = edit(mesh, [](PolylineMesh& m) {
-    return cut_hole(m, circle(Vector3d(0.5, 0.5, 0), 0.2 * kX, 0.2 * kY));
-  });
+  const EditReport report = edit(
+      mesh, [](PolylineMesh& m) { return cut_hole(m, circle(Vector3d(0.5, 0.5, 0), 0.2 * kX, 0.2 * kY)); });
   EXPECT_EQ(report.euler_change, -1);
-  EXPECT_EQ(report.curves.size(), 5u);   // the rim and four ties (n = 4)
-  expect_counts(mesh, 8, 12, 4, 2, 0);   // an annulus of four quads
+  EXPECT_EQ(report.curves.size(), 5u);  // the rim and four ties (n = 4)
+  expect_counts(mesh, 8, 12, 4, 2, 0);  // an annulus of four quads
 }
 
 TEST(CutHole, DrawnInEitherSenseIsTheSame) {
   for (const double sense : {1.0, -1.0}) {
     PolylineMesh mesh;
     insert(mesh, {polygon({kO, kX, kX + kY, kY, kO}), true});
-    edit(mesh, [&](PolylineMesh& m) { return cut_hole(m, circle(Vector3d(0.5, 0.5, 0), 0.2 * kX, sense * 0.2 * kY)); });
+    edit(mesh, [&](PolylineMesh& m) {
+      return cut_hole(m, circle(Vector3d(0.5, 0.5, 0), 0.2 * kX, sense * 0.2 * kY));
+    });
     expect_counts(mesh, 8, 12, 4, 2, 0);
   }
 }
@@ -267,7 +273,8 @@ TEST(CutHole, AcrossCurvesTakesAwayWhatLiesInside) {
   PolylineMesh mesh = disc();
   insert(mesh, {polygon({-kX, kX}), false});
   insert(mesh, {polygon({-kY, kY}), false});
-  const EditReport report = edit(mesh, [](PolylineMesh& m) { return cut_hole(m, circle(kO, 0.3 * kX, 0.3 * kY)); });
+  const EditReport report =
+      edit(mesh, [](PolylineMesh& m) { return cut_hole(m, circle(kO, 0.3 * kX, 0.3 * kY)); });
   EXPECT_EQ(report.euler_change, -1);
   EXPECT_EQ(report.curves.size(), 1u);  // no ties (n = 0)
   expect_counts(mesh, 8, 12, 4, 2, 0);
@@ -279,7 +286,8 @@ TEST(GlueBorders, TubeBetweenTwoDiscsAndHandleOnOne) {
   insert(mesh, {polygon({kO, kX, kX + kY, kY, kO}), true});
   insert(mesh, {polygon({kZ, kX + kZ, kX + kY + kZ, kY + kZ, kZ}), true});
   for (const double z : {0.0, 1.0})
-    edit(mesh, [&](PolylineMesh& m) { return cut_hole(m, circle(Vector3d(0.5, 0.5, z), 0.2 * kX, 0.2 * kY)); });
+    edit(mesh,
+         [&](PolylineMesh& m) { return cut_hole(m, circle(Vector3d(0.5, 0.5, z), 0.2 * kX, 0.2 * kY)); });
   EXPECT_EQ(mesh.counts().components, 2);
   EXPECT_EQ(mesh.counts().boundary_loops, 4);
   const Vector3d a(0.7, 0.5, 0), b(0.3, 0.5, 0);
@@ -309,10 +317,13 @@ TEST(GlueBorders, TubeBetweenTwoDiscsAndHandleOnOne) {
 TEST(GlueBorders, RefusesOneBorderAndCurvesInside) {
   PolylineMesh mesh = tube();
   const auto glue = [](const Points& first, const Points& second) {
-    return [=](PolylineMesh& m) { return glue_borders(m, {first, false}, {second, false}, std::nullopt, {.snap = 0.02}); };
+    return [=](PolylineMesh& m) {
+      return glue_borders(m, {first, false}, {second, false}, std::nullopt, {.snap = 0.02});
+    };
   };
   EXPECT_CONTAINS(refusal(mesh, glue(polygon({kY, -kY}), polygon({kX, -kX}))), "same border");
-  EXPECT_CONTAINS(refusal(mesh, glue(polygon({0.5 * kY, -kY}), polygon({kX, -kX}))), "starts 0.5 from the nearest curve");
+  EXPECT_CONTAINS(refusal(mesh, glue(polygon({0.5 * kY, -kY}), polygon({kX, -kX}))),
+                  "starts 0.5 from the nearest curve");
 }
 
 TEST(SkinProfiles, GivesTwoFacesForEachSection) {
@@ -326,8 +337,9 @@ TEST(SkinProfiles, GivesTwoFacesForEachSection) {
 TEST(SkinProfiles, ProfilesDrawnInAnySenseAndFromAnyPointAreTheSame) {
   PolylineMesh mesh;
   edit(mesh, [](PolylineMesh& m) {
-    return skin_profiles(m, {circle(kO, kX, kY), circle(kZ, kY, kX), circle(2 * kZ, -kX, kY)},
-                         {DrawnStroke{polygon({kX, kX + 2 * kZ}), false}, DrawnStroke{polygon({2 * kZ - kX, -kX}), false}});
+    return skin_profiles(
+        m, {circle(kO, kX, kY), circle(kZ, kY, kX), circle(2 * kZ, -kX, kY)},
+        {DrawnStroke{polygon({kX, kX + 2 * kZ}), false}, DrawnStroke{polygon({2 * kZ - kX, -kX}), false}});
   });
   expect_counts(mesh, 6, 10, 4, 2, 0);
   // Faces lie on one side of the plane of the spines: halves were not crossed.
@@ -346,9 +358,10 @@ TEST(SkinProfiles, ProfilesDrawnInAnySenseAndFromAnyPointAreTheSame) {
 TEST(SkinProfiles, RefusesASpineThatMissesAProfile) {
   PolylineMesh mesh;
   const std::string text = refusal(mesh, [](PolylineMesh& m) {
-    return skin_profiles(m, {circle(kO, kX, kY), circle(kZ, 0.5 * kX, 0.5 * kY)},
-                         {DrawnStroke{polygon({kX, kX + kZ}), false}, DrawnStroke{polygon({-kX, -0.5 * kX + kZ}), false}},
-                         {.snap = 0.05});
+    return skin_profiles(
+        m, {circle(kO, kX, kY), circle(kZ, 0.5 * kX, 0.5 * kY)},
+        {DrawnStroke{polygon({kX, kX + kZ}), false}, DrawnStroke{polygon({-kX, -0.5 * kX + kZ}), false}},
+        {.snap = 0.05});
   });
   EXPECT_CONTAINS(text, "passes profile 2 at a distance of 0.5");
 }
@@ -384,16 +397,23 @@ TEST(Sharpness, TagsEveryPieceOfACurve) {
   int sharp = 0;
   for (const SketchEdge& edge : mesh.edges()) sharp += edge.alive && edge.sharpness == 1 ? 1 : 0;
   EXPECT_EQ(sharp, 4);
-  EXPECT_CONTAINS(refusal(mesh, [](PolylineMesh& m) { return set_curve_sharpness(m, 1, 2); }), "0 (smooth) to 1 (sharp)");
+  EXPECT_CONTAINS(refusal(mesh, [](PolylineMesh& m) { return set_curve_sharpness(m, 1, 2); }),
+                  "0 (smooth) to 1 (sharp)");
 }
 
 TEST(Sharpness, TagsAPartBetweenTwoVertices) {
   PolylineMesh mesh = octahedral_sphere();
   const std::vector<int> edges = mesh.edges_of_curve(1);
   const auto [from, to] = mesh.edge(edges.front()).vertices;
-  edit(mesh, [&, f = from, t = to](PolylineMesh& m) { return set_curve_sharpness(m, 1, 1, std::array{f, t}); });
+  edit(mesh, [&, f = from, t = to](PolylineMesh& m) {
+    return set_curve_sharpness(m, 1, 1, std::array{f, t});
+  });
   for (const int e : edges) EXPECT_EQ(mesh.edge(e).sharpness, e == edges.front() ? 1 : 0);
-  EXPECT_CONTAINS(refusal(mesh, [](PolylineMesh& m) { return set_curve_sharpness(m, 1, 1, std::array{0, 999}); }), "v999");
+  EXPECT_CONTAINS(refusal(mesh,
+                          [](PolylineMesh& m) {
+                            return set_curve_sharpness(m, 1, 1, std::array{0, 999});
+                          }),
+                  "v999");
 }
 
 TEST(Transform, MirrorsTurnFacesSoThatTheyStayOutside) {
@@ -420,7 +440,8 @@ TEST(Align, FindsThePoseOfACurveWithoutSymmetryInEveryTry) {
   Points points(200, 3);
   for (int i = 0; i < 200; ++i) {
     const double t = i / 199.0;
-    points.row(i) << t + 0.3 * t * t, 0.4 * std::sin(4 * t) + 0.2 * t, 0.3 * t * t * t + 0.1 * std::cos(9 * t);
+    points.row(i) << t + 0.3 * t * t, 0.4 * std::sin(4 * t) + 0.2 * t,
+        0.3 * t * t * t + 0.1 * std::cos(9 * t);
   }
   const Polyline curve(points);
   Random random(5);
@@ -431,7 +452,8 @@ TEST(Align, FindsThePoseOfACurveWithoutSymmetryInEveryTry) {
 #endif
   int wrong = 0;
   for (int k = 0; k < kTries; ++k) {
-    const Eigen::Quaterniond q = Eigen::Quaterniond(random.normal(), random.normal(), random.normal(), random.normal()).normalized();
+    const Eigen::Quaterniond q =
+        Eigen::Quaterniond(random.normal(), random.normal(), random.normal(), random.normal()).normalized();
     const Vector3d shift = 3 * random.normal3();
     Points moved = (points * q.toRotationMatrix().transpose()).rowwise() + shift.transpose();
     if (k % 2) moved = moved.colwise().reverse().eval();  // drawn from the other end
@@ -439,7 +461,10 @@ TEST(Align, FindsThePoseOfACurveWithoutSymmetryInEveryTry) {
     double worst = 0;
     for (Eigen::Index i = 0; i < points.rows(); ++i) {
       const Vector3d p = points.row(i);
-      worst = std::max(worst, ((found.matrix.topLeftCorner<3, 3>() * p + found.matrix.topRightCorner<3, 1>()) - (q * p + shift)).norm());
+      worst = std::max(
+          worst,
+          ((found.matrix.topLeftCorner<3, 3>() * p + found.matrix.topRightCorner<3, 1>()) - (q * p + shift))
+              .norm());
     }
     if (worst > 1e-4 * curve.length()) ++wrong;
   }

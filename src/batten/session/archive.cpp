@@ -21,7 +21,8 @@ std::uint32_t get(const std::string& bytes, size_t at, int n) {
   if (at + static_cast<size_t>(n) > bytes.size()) throw InvalidInput("the project file is cut off");
   std::uint32_t value = 0;
   for (int i = 0; i < n; ++i)
-    value |= static_cast<std::uint32_t>(static_cast<unsigned char>(bytes[at + static_cast<size_t>(i)])) << (8 * i);
+    value |= static_cast<std::uint32_t>(static_cast<unsigned char>(bytes[at + static_cast<size_t>(i)]))
+             << (8 * i);
   return value;
 }
 
@@ -31,10 +32,10 @@ std::uint32_t checksum(const std::string& content) {
 }
 
 void put_common(std::string& out, const std::string& name, const std::string& content) {
-  put(out, 20, 2);          // version needed
-  put(out, 0, 2);           // flags
-  put(out, 0, 2);           // stored
-  put(out, 0, 2);           // time
+  put(out, 20, 2);            // version needed
+  put(out, 0, 2);             // flags
+  put(out, 0, 2);             // stored
+  put(out, 0, 2);             // time
   put(out, (1 << 5) | 1, 2);  // 1 January 1980, the first day there is
   put(out, checksum(content), 4);
   put(out, content.size(), 4);
@@ -87,12 +88,15 @@ std::map<std::string, std::string> parse_archive(const std::string& bytes) {
   std::map<std::string, std::string> entries;
   for (std::uint32_t k = 0; k < n; ++k) {
     if (get(bytes, at, 4) != kCentral) throw InvalidInput("the directory of the project file is damaged");
-    const std::uint32_t method = get(bytes, at + 10, 2), sum = get(bytes, at + 16, 4), size = get(bytes, at + 24, 4),
-                        name_size = get(bytes, at + 28, 2), local = get(bytes, at + 42, 4);
+    const std::uint32_t method = get(bytes, at + 10, 2), sum = get(bytes, at + 16, 4),
+                        size = get(bytes, at + 24, 4), name_size = get(bytes, at + 28, 2),
+                        local = get(bytes, at + 42, 4);
     if (at + kCentralSize + name_size > bytes.size()) throw InvalidInput("the project file is cut off");
     const std::string name = bytes.substr(at + kCentralSize, name_size);
-    if (method != 0) throw InvalidInput("the entry " + name + " of the project file is compressed; store it uncompressed");
-    if (get(bytes, local, 4) != kLocal) throw InvalidInput("the entry " + name + " of the project file is damaged");
+    if (method != 0)
+      throw InvalidInput("the entry " + name + " of the project file is compressed; store it uncompressed");
+    if (get(bytes, local, 4) != kLocal)
+      throw InvalidInput("the entry " + name + " of the project file is damaged");
     const size_t start = local + kLocalSize + get(bytes, local + 26, 2) + get(bytes, local + 28, 2);
     if (start + size > bytes.size()) throw InvalidInput("the project file is cut off");
     std::string content = bytes.substr(start, size);

@@ -46,7 +46,9 @@ EditOutcome Document::apply(const Edit& edit, const Confirm& confirm) {
     if (confirm) confirm(edit);
     mesh_.undo(history_[--n_done_]);
   } else if (std::holds_alternative<RedoEdit>(edit)) {
-    if (!can_redo()) throw RefusedEdit("there is nothing to redo", "undo an edit first; a new edit ends what could be redone");
+    if (!can_redo())
+      throw RefusedEdit("there is nothing to redo",
+                        "undo an edit first; a new edit ends what could be redone");
     if (confirm) confirm(edit);
     mesh_.redo(history_[n_done_++]);
   } else {

@@ -56,8 +56,8 @@ struct TransformEdit {
 struct UndoEdit {};
 struct RedoEdit {};
 
-using Edit = std::variant<InsertEdit, DeleteEdit, SharpnessEdit, MirrorEdit, HoleEdit, GlueEdit, SkinEdit, AlignEdit,
-                          TransformEdit, UndoEdit, RedoEdit>;
+using Edit = std::variant<InsertEdit, DeleteEdit, SharpnessEdit, MirrorEdit, HoleEdit, GlueEdit, SkinEdit,
+                          AlignEdit, TransformEdit, UndoEdit, RedoEdit>;
 
 /// What an edit has done, with the numbers of what is new.
 struct EditOutcome {

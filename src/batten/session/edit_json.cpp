@@ -61,8 +61,8 @@ class Fields {
   int id(const Json& value, const std::string& name, char kind, const char* expected) const {
     const std::string text = value.is_string() ? value.get<std::string>() : "";
     long number = -1;
-    if (text.size() < 2 || text[0] != kind || !parse_integer(std::string_view(text).substr(1), number) || number < 0 ||
-        number > 2147483646)
+    if (text.size() < 2 || text[0] != kind || !parse_integer(std::string_view(text).substr(1), number) ||
+        number < 0 || number > 2147483646)
       fail(name, expected);
     return static_cast<int>(number);
   }
@@ -71,9 +71,8 @@ class Fields {
     Points points(static_cast<Eigen::Index>(value.size()), 3);
     for (size_t i = 0; i < value.size(); ++i) {
       const Json& point = value[i];
-      if (!point.is_array() || point.size() != 3 || !std::all_of(point.begin(), point.end(), [](const Json& x) {
-            return x.is_number();
-          }))
+      if (!point.is_array() || point.size() != 3 ||
+          !std::all_of(point.begin(), point.end(), [](const Json& x) { return x.is_number(); }))
         fail(name, concat("a list of points [x, y, z]; point ", i, " is ", point.dump()));
       for (size_t k = 0; k < 3; ++k)
         points(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) = point[k].get<double>();
@@ -91,7 +90,8 @@ class Fields {
     options.sharpness = number("sharpness", 0);
     if (const Json* into = find("into")) {
       const std::string text = into->is_string() ? into->get<std::string>() : "";
-      if (text != "auto" && text != "face" && text != "opening") fail("into", "\"auto\", \"face\" or \"opening\"");
+      if (text != "auto" && text != "face" && text != "opening")
+        fail("into", "\"auto\", \"face\" or \"opening\"");
       options.into = text == "face" ? Into::Face : text == "opening" ? Into::Opening : Into::Auto;
     }
     return options;
@@ -135,10 +135,12 @@ Json parsed_object(std::string_view text) {
   try {
     object = Json::parse(text);
   } catch (const Json::exception&) {
-    throw InvalidInput("the line is not JSON; expected one object such as {\"op\":\"undo\"} "
-                       "(numbers must be finite, without NaN)");
+    throw InvalidInput(
+        "the line is not JSON; expected one object such as {\"op\":\"undo\"} "
+        "(numbers must be finite, without NaN)");
   }
-  if (!object.is_object()) throw InvalidInput("the line is not a JSON object; expected one such as {\"op\":\"undo\"}");
+  if (!object.is_object())
+    throw InvalidInput("the line is not a JSON object; expected one such as {\"op\":\"undo\"}");
   return object;
 }
 
@@ -216,8 +218,8 @@ Edit parse_edit(std::string_view text) {
   }
   if (op == "sharpness") {
     const Fields fields(line, what, {"op", "curve", "value", "between"});
-    SharpnessEdit edit{fields.curve(fields.require("curve"), "curve"), fields.number_of(fields.require("value"), "value"),
-                       std::nullopt};
+    SharpnessEdit edit{fields.curve(fields.require("curve"), "curve"),
+                       fields.number_of(fields.require("value"), "value"), std::nullopt};
     if (const Json* between = fields.find("between")) {
       if (!between->is_array() || between->size() != 2)
         fields.fail("between", "the ids of two vertices, such as [\"v3\", \"v5\"]");
@@ -246,7 +248,8 @@ Edit parse_edit(std::string_view text) {
     edit.first = fields.stroke_in(fields.require("first"), "first");
     edit.second = fields.stroke_in(fields.require("second"), "second");
     if (const Json* halves = fields.find("halves")) {
-      if (!halves->is_array() || halves->size() != 2) fields.fail("halves", "two ids of curves, such as [\"c4\", \"c7\"]");
+      if (!halves->is_array() || halves->size() != 2)
+        fields.fail("halves", "two ids of curves, such as [\"c4\", \"c7\"]");
       edit.halves = {fields.curve((*halves)[0], "halves"), fields.curve((*halves)[1], "halves")};
     }
     edit.options = fields.options();
@@ -258,7 +261,8 @@ Edit parse_edit(std::string_view text) {
     const Json &profiles = fields.require("profiles"), &spines = fields.require("spines");
     if (!profiles.is_array()) fields.fail("profiles", "a list of objects {\"points\": …}");
     for (const Json& profile : profiles) edit.profiles.push_back(fields.stroke_in(profile, "profiles"));
-    if (!spines.is_array() || spines.size() != 2) fields.fail("spines", "a list of two objects {\"points\": …}");
+    if (!spines.is_array() || spines.size() != 2)
+      fields.fail("spines", "a list of two objects {\"points\": …}");
     for (size_t k = 0; k < 2; ++k) edit.spines[k] = fields.stroke_in(spines[k], "spines");
     edit.options = fields.options();
     return edit;
@@ -281,9 +285,10 @@ Edit parse_edit(std::string_view text) {
     if (op == "undo") return UndoEdit{};
     return RedoEdit{};
   }
-  throw InvalidInput(concat(op.empty() ? std::string("the line has no \"op\"") : concat("there is no op \"", op, "\""),
-                            "; the ops are insert, delete, sharpness, mirror, hole, glue, skin, align, transform, undo, "
-                            "redo"));
+  throw InvalidInput(
+      concat(op.empty() ? std::string("the line has no \"op\"") : concat("there is no op \"", op, "\""),
+             "; the ops are insert, delete, sharpness, mirror, hole, glue, skin, align, transform, undo, "
+             "redo"));
 }
 
 bool is_whole_json(std::string_view text) {
@@ -307,7 +312,8 @@ std::string parse_session_header(std::string_view text) {
   }
   if (!line.is_object() || !line.contains("batten_session")) throw InvalidInput(expected);
   if (line["batten_session"] != 1)
-    throw InvalidInput(concat("this is version ", line["batten_session"].dump(), " of the session format; version 1 is known"));
+    throw InvalidInput(concat("this is version ", line["batten_session"].dump(),
+                              " of the session format; version 1 is known"));
   const Fields fields(line, "the header", {"batten_session", "unit"});
   const Json* unit = fields.find("unit");
   if (!unit) return "m";

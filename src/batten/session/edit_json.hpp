@@ -10,8 +10,8 @@ namespace batten {
 /// bit.
 std::string format_edit(const Edit& edit);
 
-/// @throws InvalidInput when the line is no JSON object, or naming the op or field that is unknown, missing or of
-/// the wrong kind, with what was expected.
+/// @throws InvalidInput when the line is no JSON object, or naming the op or field that is unknown, missing
+/// or of the wrong kind, with what was expected.
 Edit parse_edit(std::string_view line);
 
 /// The name of the op: "insert", "delete", …

@@ -41,7 +41,8 @@ Session parse_session(const std::string& text, const std::string& path) {
     }
     has_header = true;
   }
-  if (!has_header) throw FileError(path, 0, R"(the file is empty; a session begins with {"batten_session":1,"unit":"m"})");
+  if (!has_header)
+    throw FileError(path, 0, R"(the file is empty; a session begins with {"batten_session":1,"unit":"m"})");
   return session;
 }
 
@@ -63,7 +64,8 @@ Journal::Journal(const std::string& path, const std::string& unit) : path_(path)
     const Session session = parse_session(text, path);
     if (session.torn) {  // the unfinished line goes, or the next edit would be written behind it
       const size_t last = text.rfind('\n');
-      if (::ftruncate(file_, static_cast<off_t>(last + 1)) != 0) throw FileError(path, 0, std::strerror(errno));
+      if (::ftruncate(file_, static_cast<off_t>(last + 1)) != 0)
+        throw FileError(path, 0, std::strerror(errno));
     } else if (text.back() != '\n' && ::write(file_, "\n", 1) != 1) {
       throw FileError(path, 0, std::strerror(errno));
     }

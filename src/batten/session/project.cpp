@@ -114,7 +114,8 @@ Project parse_project(const std::string& bytes, const std::string& path, std::ve
     for (const char* name : {"project.json", "coordinates.f64", "journal.jsonl"})
       if (entries.count(name) == 0) throw InvalidInput(concat("the entry ", name, " is missing"));
     const Json json = Json::parse(entries.at("project.json"));
-    if (json.at("batten_project") != 1) throw InvalidInput("version 1 of the project format is known, this is another");
+    if (json.at("batten_project") != 1)
+      throw InvalidInput("version 1 of the project format is known, this is another");
     project.unit = json.at("unit").get<std::string>();
     Coordinates coordinates(entries.at("coordinates.f64"));
     std::vector<SketchVertex> vertices;
@@ -171,8 +172,10 @@ Project parse_project(const std::string& bytes, const std::string& path, std::ve
     for (const SessionEdit& edit : edits) log.push_back(edit.edit);
     project.document = Document::restored(std::move(mesh), std::move(log));
     if (warnings)
-      warnings->push_back(concat(path, ": its journal does not lead to the stored model, which holds; what was done "
-                                       "before cannot be undone"));
+      warnings->push_back(
+          concat(path,
+                 ": its journal does not lead to the stored model, which holds; what was done "
+                 "before cannot be undone"));
   }
   return project;
 }

@@ -17,12 +17,13 @@ struct Project {
 /// @throws FileError when the file cannot be written or would pass 4 GB.
 void write_project(const std::string& path, const Project& project);
 
-/// Reads a project. The journal is played again, so that undo works; where that does not give the stored model
-/// bit for bit (a file of another version), the stored model holds and its history is gone.
+/// Reads a project. The journal is played again, so that undo works; where that does not give the stored
+/// model bit for bit (a file of another version), the stored model holds and its history is gone.
 /// @param warnings receives that, in words. @throws FileError when the file is no project or damaged.
 Project read_project(const std::string& path, std::vector<std::string>* warnings = nullptr);
 
 std::string format_project(const Project& project);
-Project parse_project(const std::string& bytes, const std::string& path, std::vector<std::string>* warnings = nullptr);
+Project parse_project(const std::string& bytes, const std::string& path,
+                      std::vector<std::string>* warnings = nullptr);
 
 }  // namespace batten

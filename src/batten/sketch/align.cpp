@@ -32,7 +32,8 @@ PrincipalFrame principal_frame(const Points& samples) {
   PrincipalFrame frame;
   frame.centre = samples.colwise().mean();
   const Points centred = samples.rowwise() - frame.centre.transpose();
-  const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(centred.transpose() * centred / static_cast<double>(samples.rows()));
+  const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(centred.transpose() * centred /
+                                                       static_cast<double>(samples.rows()));
   frame.axes = solver.eigenvectors().rowwise().reverse();
   if (frame.axes.determinant() < 0) frame.axes.col(2) *= -1;
   frame.spreads = solver.eigenvalues().reverse().cwiseMax(0).cwiseSqrt();
@@ -41,7 +42,8 @@ PrincipalFrame principal_frame(const Points& samples) {
 
 SegmentTree tree_of(const Points& points) {
   Segments segments(points.rows() - 1, 2);
-  for (Index i = 0; i + 1 < points.rows(); ++i) segments.row(i) << static_cast<int>(i), static_cast<int>(i) + 1;
+  for (Index i = 0; i + 1 < points.rows(); ++i)
+    segments.row(i) << static_cast<int>(i), static_cast<int>(i) + 1;
   return {points, segments};
 }
 
@@ -104,10 +106,11 @@ std::vector<Matrix3d> rotations_everywhere() {
   for (int i = 0; i < kDirections; ++i) {
     const double z = 1 - (2 * i + 1.0) / kDirections, phi = i * kPi * (3 - std::sqrt(5.0));
     const double rho = std::sqrt(1 - z * z);
-    const Eigen::Quaterniond tilt =
-        Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), Vector3d(rho * std::cos(phi), rho * std::sin(phi), z));
+    const Eigen::Quaterniond tilt = Eigen::Quaterniond::FromTwoVectors(
+        Vector3d::UnitZ(), Vector3d(rho * std::cos(phi), rho * std::sin(phi), z));
     for (int k = 0; k < kTurns; ++k)
-      rotations.push_back((tilt * Eigen::AngleAxisd(2 * kPi * k / kTurns, Vector3d::UnitZ())).toRotationMatrix());
+      rotations.push_back(
+          (tilt * Eigen::AngleAxisd(2 * kPi * k / kTurns, Vector3d::UnitZ())).toRotationMatrix());
   }
   return rotations;
 }
@@ -137,9 +140,11 @@ Alignment align_curves(const Polyline& reference, const Polyline& stroke) {
     const int steps = about < 0 ? 1 : 24;
     for (const Matrix3d& sign : signs)
       for (int k = 0; k < steps; ++k)
-        turns.push_back(about < 0 ? sign
-                                  : Matrix3d(sign * Eigen::AngleAxisd(2 * kPi * k / steps, Vector3d::Unit(about))
-                                                        .toRotationMatrix()));
+        turns.push_back(
+            about < 0
+                ? sign
+                : Matrix3d(sign *
+                           Eigen::AngleAxisd(2 * kPi * k / steps, Vector3d::Unit(about)).toRotationMatrix()));
   }
   struct Candidate {
     double misfit;
@@ -229,9 +234,11 @@ EditReport align_model(PolylineMesh& mesh, int reference, const DrawnStroke& dra
   const Alignment alignment = align_curves(*curve, Polyline(std::move(points)));
   mesh.move_everything(alignment.matrix);
   EditReport report;
-  report.remarks.push_back(concat("aligned c", reference, "; ", detail::text_of_length(alignment.rms), " left"));
+  report.remarks.push_back(
+      concat("aligned c", reference, "; ", detail::text_of_length(alignment.rms), " left"));
   if (alignment.ambiguous)
-    report.remarks.push_back(concat("c", reference, " fits in more than one way; align by a less regular curve"));
+    report.remarks.push_back(
+        concat("c", reference, " fits in more than one way; align by a less regular curve"));
   return report;
 }
 

@@ -172,9 +172,8 @@ std::vector<Contact> find_contacts(const PolylineMesh& mesh, const Stroke& strok
             concat("the stroke runs along c", mesh.edge(edge).curve, " for ", text_of_length(along),
                    ", within the snapping distance of ", text_of_length(snap)),
             "cross the curve once, or use a smaller snapping distance");
-      nearest.push_back(*std::min_element(run.begin(), run.end(), [](const Hit& a, const Hit& b) {
-        return a.distance < b.distance;
-      }));
+      nearest.push_back(*std::min_element(
+          run.begin(), run.end(), [](const Hit& a, const Hit& b) { return a.distance < b.distance; }));
     }
   std::stable_sort(nearest.begin(), nearest.end(), [](const Hit& a, const Hit& b) { return a.arc < b.arc; });
 
@@ -184,8 +183,8 @@ std::vector<Contact> find_contacts(const PolylineMesh& mesh, const Stroke& strok
     contact.arc = std::min(contact.arc, stroke.length);
     // Edges that meet at a vertex are all met there: one contact, the nearest, the vertex before its edges.
     Contact* last = contacts.empty() ? nullptr : &contacts.back();
-    const bool close = last && (contact.position - last->position).norm() <= 2 * snap &&
-                       contact.arc - last->arc <= 4 * snap;
+    const bool close =
+        last && (contact.position - last->position).norm() <= 2 * snap && contact.arc - last->arc <= 4 * snap;
     if (last && (same_place(contact, *last, snap) || close)) {
       const bool better = (contact.vertex >= 0) != (last->vertex >= 0) ? contact.vertex >= 0
                                                                        : contact.distance < last->distance;
@@ -253,7 +252,8 @@ std::vector<int> contact_vertices(PolylineMesh& mesh, const std::vector<Contact>
     }
     // The same place twice (closed strokes that touch, two spines that meet) is one vertex.
     for (size_t earlier = 0; earlier < position && vertices[k] < 0; ++earlier)
-      if (contacts[order[earlier]].edge == contact.edge && contacts[order[earlier]].edge_arc == contact.edge_arc)
+      if (contacts[order[earlier]].edge == contact.edge &&
+          contacts[order[earlier]].edge_arc == contact.edge_arc)
         vertices[k] = vertices[order[earlier]];
     if (vertices[k] < 0) vertices[k] = mesh.split_edge(contact.edge, contact.edge_arc, contact.position);
   }
@@ -264,16 +264,17 @@ void dissolve_seams(PolylineMesh& mesh, const std::vector<int>& vertices) {
   for (const int v : vertices)
     if (mesh.vertex(v).alive && mesh.vertex(v).is_seam) {
       const auto& edges = mesh.vertex(v).edges;
-      if (edges.size() == 2 && mesh.edge(edges[0]).curve == mesh.edge(edges[1]).curve) mesh.dissolve_vertex(v);
+      if (edges.size() == 2 && mesh.edge(edges[0]).curve == mesh.edge(edges[1]).curve)
+        mesh.dissolve_vertex(v);
     }
 }
 
 double FaceFan::distance(const Vector3d& point) const {
   double best = std::numeric_limits<double>::infinity();
   for (Index i = 0; i < outline.rows(); ++i)
-    best = std::min(best, closest_point_on_triangle(point, centre, outline.row(i),
-                                                    outline.row((i + 1) % outline.rows()))
-                              .squared_distance);
+    best = std::min(
+        best, closest_point_on_triangle(point, centre, outline.row(i), outline.row((i + 1) % outline.rows()))
+                  .squared_distance);
   return std::sqrt(best);
 }
 

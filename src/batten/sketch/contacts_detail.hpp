@@ -10,10 +10,10 @@ namespace batten::detail {
 
 /// A pair (new point, old point) of H 5.2.1.
 struct Contact {
-  double arc = 0;       ///< along the stroke
-  int vertex = -1;      ///< the old point is this vertex, or
-  int edge = -1;        ///< a point of this edge
-  double edge_arc = 0;  ///< at this arc length
+  double arc = 0;                                      ///< along the stroke
+  int vertex = -1;                                     ///< the old point is this vertex, or
+  int edge = -1;                                       ///< a point of this edge
+  double edge_arc = 0;                                 ///< at this arc length
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< the old point
   double distance = 0;                                 ///< between the two
 };

@@ -125,8 +125,8 @@ EditReport delete_curve(PolylineMesh& mesh, int curve) {
     if (vertex.edges.size() != 2) continue;
     const SketchEdge &first = mesh.edge(vertex.edges[0]), &second = mesh.edge(vertex.edges[1]);
     if (first.curve != second.curve || first.sharpness != second.sharpness) continue;
-    const Eigen::Vector3d d1 = first.vertices[0] == v ? first.polyline->direction_at_front()
-                                                      : first.polyline->direction_at_back();
+    const Eigen::Vector3d d1 =
+        first.vertices[0] == v ? first.polyline->direction_at_front() : first.polyline->direction_at_back();
     const Eigen::Vector3d d2 = second.vertices[0] == v ? second.polyline->direction_at_front()
                                                        : second.polyline->direction_at_back();
     constexpr double kStraight = -0.6;  // a corner of the curve (53°) stays a vertex

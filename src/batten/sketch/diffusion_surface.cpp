@@ -1,5 +1,5 @@
-// Based on H 6.4: refinement as Catmull–Clark splits, STEP 1 and STEP 2 of 6.4.1, with the scalar form of (6.3)
-// and the signs of docs/departures.md.
+// Based on H 6.4: refinement as Catmull–Clark splits, STEP 1 and STEP 2 of 6.4.1, with the scalar form of
+// (6.3) and the signs of docs/departures.md.
 #include "batten/sketch/diffusion_surface.hpp"
 
 #include <algorithm>
@@ -56,7 +56,8 @@ class Refiner {
     for (size_t f = 0; f < mesh_.faces().size(); ++f)
       if (mesh_.faces()[f].alive) refine_face(static_cast<int>(f), surface);
     Points positions(static_cast<Index>(positions_.size()), 3);
-    for (size_t v = 0; v < positions_.size(); ++v) positions.row(static_cast<Index>(v)) = positions_[v].transpose();
+    for (size_t v = 0; v < positions_.size(); ++v)
+      positions.row(static_cast<Index>(v)) = positions_[v].transpose();
     surface.refined.mesh.positions = std::move(positions);
     surface.on_curve = std::move(held_);
   }
@@ -110,7 +111,8 @@ class Refiner {
       PolygonMesh& mesh = surface.refined.mesh;
       for (int j = 0; j < half_; ++j)
         for (int i = 0; i < half_; ++i) {
-          for (const int v : {grid(i, j), grid(i + 1, j), grid(i + 1, j + 1), grid(i, j + 1)}) mesh.corners.push_back(v);
+          for (const int v : {grid(i, j), grid(i + 1, j), grid(i + 1, j + 1), grid(i, j + 1)})
+            mesh.corners.push_back(v);
           mesh.offsets.push_back(static_cast<int>(mesh.corners.size()));
           surface.face_of_quad.push_back(face);
         }
@@ -125,8 +127,8 @@ class Refiner {
       for (int i = 1; i < m; ++i) {
         const double u = static_cast<double>(i) / m, v = static_cast<double>(j) / m;
         const Vector3d position = (1 - v) * p(i, 0) + v * p(i, m) + (1 - u) * p(0, j) + u * p(m, j) -
-                                  (1 - u) * (1 - v) * p(0, 0) - u * (1 - v) * p(m, 0) - (1 - u) * v * p(0, m) -
-                                  u * v * p(m, m);
+                                  (1 - u) * (1 - v) * p(0, 0) - u * (1 - v) * p(m, 0) -
+                                  (1 - u) * v * p(0, m) - u * v * p(m, m);
         grid(i, j) = add(position, false);
       }
   }
@@ -138,9 +140,9 @@ class Refiner {
   std::vector<char> held_;
 };
 
-/// Every quad cut along the diagonal that leads from the corner of its face towards the centroid: of the ways to
-/// cut (the other diagonal, the mean of both), the one that brings great circles nearest to a sphere (0.35 %
-/// of the radius at 16 n quads, against 1.1 % and 0.6 %).
+/// Every quad cut along the diagonal that leads from the corner of its face towards the centroid: of the ways
+/// to cut (the other diagonal, the mean of both), the one that brings great circles nearest to a sphere (0.35
+/// % of the radius at 16 n quads, against 1.1 % and 0.6 %).
 Triangles cut_quads(const PolygonMesh& mesh) {
   Triangles triangles(2 * mesh.n_faces(), 3);
   for (Index f = 0; f < mesh.n_faces(); ++f) {
@@ -165,7 +167,8 @@ std::vector<char> border_vertices(const PolygonMesh& mesh) {
   return border;
 }
 
-/// S(X) of H 6.4: the sum of the sharpness of the edges at each vertex. The tip of a dart (S ≤ 1) stays smooth.
+/// S(X) of H 6.4: the sum of the sharpness of the edges at each vertex. The tip of a dart (S ≤ 1) stays
+/// smooth.
 std::vector<double> vertex_sharpness(const PolylineMesh& mesh, const DiffusionSurface& surface) {
   std::vector<double> sharpness(static_cast<size_t>(surface.refined.mesh.positions.rows()), 0);
   for (size_t e = 0; e < mesh.edges().size(); ++e) {
@@ -262,7 +265,8 @@ class Flow {
  private:
   /// Border vertices are held in any case: nothing else says where they belong.
   bool held(Index v) const {
-    return border_[static_cast<size_t>(v)] || (surface_.on_curve[static_cast<size_t>(v)] && options_.fidelity == 0);
+    return border_[static_cast<size_t>(v)] ||
+           (surface_.on_curve[static_cast<size_t>(v)] && options_.fidelity == 0);
   }
 
   double similarity(double s, double t) const {  // (6.5): D is not squared, σ is
@@ -351,8 +355,8 @@ SparseMatrix limit_stencils(const ControlCage& cage) {
   return stencils;
 }
 
-/// Moves the vertices of the cage until the limit surface goes through `target`: each takes over what its limit
-/// point lacks. The stencils are dominated by their vertex, so that this contracts.
+/// Moves the vertices of the cage until the limit surface goes through `target`: each takes over what its
+/// limit point lacks. The stencils are dominated by their vertex, so that this contracts.
 void fit_limit(ControlCage& cage, const Points& target) {
   const SparseMatrix stencils = limit_stencils(cage);
   const double size = bounding_box_diagonal(target);
@@ -407,21 +411,26 @@ void turn_outwards(const PolylineMesh& model, DiffusionSurface& surface) {
 std::optional<std::string> DiffusionOptions::problem() const {
   if (splits < 1 || splits > 6) return concat("splits must be 1 to 6, got ", splits);
   if (rounds < 0 || rounds > 50) return concat("rounds must be 0 to 50, got ", rounds);
-  if (!(time_step > 0) || !std::isfinite(time_step)) return concat("time_step must be above 0, got ", time_step);
+  if (!(time_step > 0) || !std::isfinite(time_step))
+    return concat("time_step must be above 0, got ", time_step);
   if (diffusion_steps < 1 || diffusion_steps > 1000)
     return concat("diffusion_steps must be 1 to 1000, got ", diffusion_steps);
-  if (!(similarity > 0) || !std::isfinite(similarity)) return concat("similarity must be above 0, got ", similarity);
-  if (!(fidelity >= 0) || !std::isfinite(fidelity)) return concat("fidelity must be at least 0, got ", fidelity);
+  if (!(similarity > 0) || !std::isfinite(similarity))
+    return concat("similarity must be above 0, got ", similarity);
+  if (!(fidelity >= 0) || !std::isfinite(fidelity))
+    return concat("fidelity must be at least 0, got ", fidelity);
   return std::nullopt;
 }
 
-DiffusionSurface diffusion_surface(const PolylineMesh& mesh, const DiffusionOptions& options, const Progress& progress) {
+DiffusionSurface diffusion_surface(const PolylineMesh& mesh, const DiffusionOptions& options,
+                                   const Progress& progress) {
   if (const auto problem = options.problem()) throw InvalidInput(*problem);
   double quads = 0;
   for (const SketchFace& face : mesh.faces()) quads += static_cast<double>(face.sides.size());
   quads *= std::pow(4.0, options.splits - 1);
   if (quads == 0) throw InvalidInput("the model has no faces; insert a closed curve first");
-  if (quads > 2e6) throw InvalidInput(concat("the refined mesh would have ", quads, " quads; use fewer splits"));
+  if (quads > 2e6)
+    throw InvalidInput(concat("the refined mesh would have ", quads, " quads; use fewer splits"));
   DiffusionSurface surface;
   {
     const ScopedStage stage(surface.times, "refine");

@@ -24,7 +24,8 @@ bool on_border(const PolylineMesh& mesh, const Contact& contact) {
   return faces[0] < 0 || faces[1] < 0;
 }
 
-std::vector<Contact> end_contacts(const PolylineMesh& mesh, const Stroke& stroke, double snap, const char* which) {
+std::vector<Contact> end_contacts(const PolylineMesh& mesh, const Stroke& stroke, double snap,
+                                  const char* which) {
   std::vector<Contact> contacts = detail::find_contacts(mesh, stroke, snap);
   const auto far = [&](Eigen::Index row, const char* verb) {
     const auto place = detail::nearest_place(mesh, stroke.points.row(row));
@@ -37,8 +38,9 @@ std::vector<Contact> end_contacts(const PolylineMesh& mesh, const Stroke& stroke
   if (contacts.empty() || contacts.front().arc > 0) far(0, "starts");
   if (contacts.size() < 2 || contacts.back().arc < stroke.length) far(stroke.points.rows() - 1, "ends");
   if (contacts.size() > 2)
-    throw RefusedEdit(concat("the ", which, " stroke crosses ", detail::name_of(mesh, contacts[1]), " on its way"),
-                      "draw it from border to border without meeting other curves");
+    throw RefusedEdit(
+        concat("the ", which, " stroke crosses ", detail::name_of(mesh, contacts[1]), " on its way"),
+        "draw it from border to border without meeting other curves");
   for (const Contact& contact : contacts)
     if (!on_border(mesh, contact))
       throw RefusedEdit(concat("the ", which, " stroke ends on ", detail::name_of(mesh, contact),
@@ -114,7 +116,8 @@ EditReport glue_borders(PolylineMesh& mesh, const DrawnStroke& first, const Draw
     throw RefusedEdit(concat("the first stroke starts and ends on the same border, at ",
                              detail::name_of(mesh, contacts[0]), " and ", detail::name_of(mesh, contacts[1])),
                       "glue two different borders; to close one border, insert the stroke");
-  if (has_corner(mesh, walk_b, vertices[2]) && has_corner(mesh, walk_a, vertices[3])) {  // drawn the other way
+  if (has_corner(mesh, walk_b, vertices[2]) &&
+      has_corner(mesh, walk_a, vertices[3])) {  // drawn the other way
     strokes[1] = detail::reversed_stroke(strokes[1]);
     std::swap(vertices[2], vertices[3]);
     std::swap(contacts[2], contacts[3]);
@@ -126,15 +129,17 @@ EditReport glue_borders(PolylineMesh& mesh, const DrawnStroke& first, const Draw
     throw RefusedEdit("the two strokes do not join the same two borders",
                       "draw both from the one border to the other");
   if (vertices[0] == vertices[2] || vertices[1] == vertices[3])
-    throw RefusedEdit(concat("the two strokes meet at v", vertices[0] == vertices[2] ? vertices[0] : vertices[1]),
-                      "let them end in different places of each border");
+    throw RefusedEdit(
+        concat("the two strokes meet at v", vertices[0] == vertices[2] ? vertices[0] : vertices[1]),
+        "let them end in different places of each border");
 
   const std::array<std::vector<int>, 2> a{half_of(mesh, walk_a, vertices[0], vertices[2]),
                                           half_of(mesh, walk_a, vertices[2], vertices[0])};
   std::array<std::vector<int>, 2> b{half_of(mesh, walk_b, vertices[1], vertices[3]),
                                     half_of(mesh, walk_b, vertices[3], vertices[1])};
   // Faces walk openings forwards, so a[0] can only be across from b[1] unless the other part is turned over.
-  const int face_a = mesh.face_of(opposite_side(a[0].front())), face_b = mesh.face_of(opposite_side(b[0].front()));
+  const int face_a = mesh.face_of(opposite_side(a[0].front())),
+            face_b = mesh.face_of(opposite_side(b[0].front()));
   const bool same_part = connected(mesh, face_a, face_b);
   bool crossed = same_part || !detail::first_faces_first(mesh, a, b);
   if (halves) {
@@ -144,8 +149,9 @@ EditReport glue_borders(PolylineMesh& mesh, const DrawnStroke& first, const Draw
       in_b = named_half(mesh, b, (*halves)[0]);
     }
     if (in_a == -2 || in_b == -2)
-      throw RefusedEdit(concat("c", (*halves)[0], " and c", (*halves)[1], " are not one on each of the two borders"),
-                        "name one curve of each border, both on the same side of the strokes");
+      throw RefusedEdit(
+          concat("c", (*halves)[0], " and c", (*halves)[1], " are not one on each of the two borders"),
+          "name one curve of each border, both on the same side of the strokes");
     if (in_a >= 0 && in_b >= 0) {
       const bool wanted = in_a != in_b;
       if (!wanted && same_part)
@@ -164,7 +170,8 @@ EditReport glue_borders(PolylineMesh& mesh, const DrawnStroke& first, const Draw
   std::array<std::vector<int>, 2> chains;
   for (size_t k = 0; k < 2; ++k) {
     std::vector<HeldPoint> held;
-    for (size_t end = 0; end < 2; ++end) held.push_back({contacts[2 * k + end].arc, contacts[2 * k + end].position});
+    for (size_t end = 0; end < 2; ++end)
+      held.push_back({contacts[2 * k + end].arc, contacts[2 * k + end].position});
     const detail::DrawnCurve drawn =
         detail::place_stroke(mesh, strokes[k], held, {vertices[2 * k], vertices[2 * k + 1]});
     chains[k] = detail::add_piece(mesh, drawn, 0, options.sharpness);

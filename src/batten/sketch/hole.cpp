@@ -12,9 +12,9 @@ namespace batten {
 
 namespace {
 
+using detail::FaceFan;
 using Eigen::Index;
 using Eigen::Vector3d;
-using detail::FaceFan;
 
 /// A stroke within one face: cut out and tied to the corners of the face (H 5.2.2, first case).
 EditReport hole_in_face(PolylineMesh& mesh, const Stroke& stroke, double snap, double sharpness) {
@@ -26,7 +26,8 @@ EditReport hole_in_face(PolylineMesh& mesh, const Stroke& stroke, double snap, d
     if (!mesh.faces()[f].alive) continue;
     FaceFan candidate = detail::face_fan(mesh, mesh.faces()[f].sides);
     double sum = candidate.distance(centre);
-    for (Index k = 0; k < 12; ++k) sum += candidate.distance(stroke.points.row(k * stroke.points.rows() / 12));
+    for (Index k = 0; k < 12; ++k)
+      sum += candidate.distance(stroke.points.row(k * stroke.points.rows() / 12));
     if (sum / 13 >= least) continue;
     least = sum / 13;
     face = static_cast<int>(f);
@@ -34,19 +35,23 @@ EditReport hole_in_face(PolylineMesh& mesh, const Stroke& stroke, double snap, d
   }
   const double allowed = std::max(2 * snap, 0.35 * std::sqrt(fan.area));
   if (face < 0 || least > allowed)
-    throw RefusedEdit(face < 0 ? std::string("there is no face to cut")
-                               : concat("the stroke lies ", detail::text_of_length(least), " from the nearest face, f",
-                                        face, ", whose curves allow ", detail::text_of_length(allowed)),
-                      "draw the hole on the surface");
+    throw RefusedEdit(
+        face < 0 ? std::string("there is no face to cut")
+                 : concat("the stroke lies ", detail::text_of_length(least), " from the nearest face, f",
+                          face, ", whose curves allow ", detail::text_of_length(allowed)),
+        "draw the hole on the surface");
 
   // Angles around the centre of the hole, in its plane: of the stroke and of the outline of the face.
   Vector3d normal = Vector3d::Zero();
   const Index n = stroke.points.rows();
   for (Index i = 0; i < n; ++i)
-    normal += (stroke.points.row(i).transpose() - centre).cross(stroke.points.row((i + 1) % n).transpose() - centre);
+    normal += (stroke.points.row(i).transpose() - centre)
+                  .cross(stroke.points.row((i + 1) % n).transpose() - centre);
   normal.stableNormalize();
   const Vector3d x = normal.unitOrthogonal(), y = normal.cross(x);
-  const auto angle_at = [&](const Vector3d& p) { return std::atan2((p - centre).dot(y), (p - centre).dot(x)); };
+  const auto angle_at = [&](const Vector3d& p) {
+    return std::atan2((p - centre).dot(y), (p - centre).dot(x));
+  };
   const auto turn = [](double from, double to) { return std::remainder(to - from, 2 * kPi); };
   const std::vector<int> sides = mesh.face(face).sides;
   const auto n_sides = sides.size();
@@ -64,7 +69,8 @@ EditReport hole_in_face(PolylineMesh& mesh, const Stroke& stroke, double snap, d
     in_order = sense * (next - corner_angle[k]) > 1e-3;
   }
   if (!in_order)
-    throw RefusedEdit(concat("the corners of f", face, " cannot all be tied to the hole without crossing: seen from its "
+    throw RefusedEdit(concat("the corners of f", face,
+                             " cannot all be tied to the hole without crossing: seen from its "
                              "middle they are not in order"),
                       concat("divide f", face, " by a curve first, or draw the hole across a curve"));
 
@@ -84,7 +90,8 @@ EditReport hole_in_face(PolylineMesh& mesh, const Stroke& stroke, double snap, d
       const double before = turn(corner_angle[k], angle_at(p)), after = turn(corner_angle[k], angle_at(q));
       if (before > 0 || after <= 0 || after - before > kPi) continue;
       const double t = before / (before - after);
-      tie.arc = arcs[static_cast<size_t>(i)] + t * (arcs[static_cast<size_t>(i) + 1] - arcs[static_cast<size_t>(i)]);
+      tie.arc = arcs[static_cast<size_t>(i)] +
+                t * (arcs[static_cast<size_t>(i) + 1] - arcs[static_cast<size_t>(i)]);
       tie.position = (1 - t) * p + t * q;
     }
     ties.push_back(tie);
@@ -120,15 +127,15 @@ EditReport hole_in_face(PolylineMesh& mesh, const Stroke& stroke, double snap, d
     Points line(2, 3);
     line << mesh.vertex(corner).position.transpose(), ties[k].position.transpose();
     const int curve = mesh.add_curve();
-    tie_side[k] = side_of(mesh.add_edge(corner, ties[k].vertex, std::make_shared<Polyline>(line), curve, 0, false), false);
+    tie_side[k] = side_of(
+        mesh.add_edge(corner, ties[k].vertex, std::make_shared<Polyline>(line), curve, 0, false), false);
     report.curves.push_back(curve);
   }
   mesh.remove_face(face);
   for (size_t k = 0; k < n_sides; ++k) {
     const size_t next = (k + 1) % n_sides;
     // The hole between the two ties, walked from that of the next corner to that of this one.
-    const std::vector<int> back =
-        sense > 0 ? detail::reversed_chain(chain_from[k]) : chain_from[next];
+    const std::vector<int> back = sense > 0 ? detail::reversed_chain(chain_from[k]) : chain_from[next];
     if (corner_after[sense > 0 ? k : next] != static_cast<int>(sense > 0 ? next : k))
       throw RefusedEdit(concat("the hole cannot be tied to the corners of f", face, " in their order"),
                         "draw the hole as a convex curve");
@@ -187,8 +194,8 @@ EditReport cut_hole(PolylineMesh& mesh, const DrawnStroke& drawn, const InsertOp
     if (contact.vertex >= 0) edges = mesh.vertex(contact.vertex).edges;
     for (const int e : edges)
       if (mesh.edge(e).faces[0] < 0 || mesh.edge(e).faces[1] < 0)
-        throw RefusedEdit(concat("the hole comes within ", detail::text_of_length(contact.distance), " of the border, c",
-                                 mesh.edge(e).curve),
+        throw RefusedEdit(concat("the hole comes within ", detail::text_of_length(contact.distance),
+                                 " of the border, c", mesh.edge(e).curve),
                           "keep the hole clear of borders, or use a smaller snapping distance");
   }
   InsertOptions inside = options;
@@ -197,7 +204,8 @@ EditReport cut_hole(PolylineMesh& mesh, const DrawnStroke& drawn, const InsertOp
   EditReport report = detail::insert_ready(mesh, stroke, contacts, snap, inside, &curve);
   const std::vector<int> rim = mesh.edges_of_curve(curve);
   const SketchEdge& first = mesh.edge(rim.front());
-  std::array<std::vector<int>, 2> parts{region(mesh, curve, first.faces[0]), region(mesh, curve, first.faces[1])};
+  std::array<std::vector<int>, 2> parts{region(mesh, curve, first.faces[0]),
+                                        region(mesh, curve, first.faces[1])};
   if (std::count(parts[0].begin(), parts[0].end(), first.faces[1]) > 0)
     throw RefusedEdit("the stroke goes around a handle or an opening, so that nothing lies inside it",
                       "draw the hole around a part of the surface");

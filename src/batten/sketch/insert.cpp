@@ -30,7 +30,8 @@ struct Walkway {
 
 size_t corner_in(const PolylineMesh& mesh, const std::vector<int>& walk, int vertex) {
   return static_cast<size_t>(
-      std::find_if(walk.begin(), walk.end(), [&](int s) { return mesh.start_of(s) == vertex; }) - walk.begin());
+      std::find_if(walk.begin(), walk.end(), [&](int s) { return mesh.start_of(s) == vertex; }) -
+      walk.begin());
 }
 
 std::vector<Walkway> walkways(const PolylineMesh& mesh, int from, int to) {
@@ -63,19 +64,21 @@ double misfit(const PolylineMesh& mesh, const std::vector<int>& walk, int vertex
   return outside;
 }
 
-/// How far a direction turns away from the middle of a walk, in radians: where border and stroke leave it open
-/// which side is meant, the side that the stroke heads for.
-double off_course(const PolylineMesh& mesh, const std::vector<int>& walk, int vertex, const Vector3d& direction) {
+/// How far a direction turns away from the middle of a walk, in radians: where border and stroke leave it
+/// open which side is meant, the side that the stroke heads for.
+double off_course(const PolylineMesh& mesh, const std::vector<int>& walk, int vertex,
+                  const Vector3d& direction) {
   return angle(direction, face_fan(mesh, walk).centre - mesh.vertex(vertex).position);
 }
 
-/// Whether a stroke without a common face heads rather for the faces at its ends than for the opening: then it
-/// has missed a curve and is no lid.
-bool heads_for_faces(const PolylineMesh& mesh, const Walkway& opening, int from, int to, const Vector3d& leaving,
-                     const Vector3d& arriving) {
+/// Whether a stroke without a common face heads rather for the faces at its ends than for the opening: then
+/// it has missed a curve and is no lid.
+bool heads_for_faces(const PolylineMesh& mesh, const Walkway& opening, int from, int to,
+                     const Vector3d& leaving, const Vector3d& arriving) {
   double into_opening = 0, into_faces = 0;
   for (const auto& [vertex, direction] : {std::pair(from, leaving), std::pair(to, arriving)}) {
-    into_opening += misfit(mesh, opening.walk, vertex, direction) + off_course(mesh, opening.walk, vertex, direction);
+    into_opening +=
+        misfit(mesh, opening.walk, vertex, direction) + off_course(mesh, opening.walk, vertex, direction);
     double least = std::numeric_limits<double>::infinity();
     for (const int e : mesh.vertex(vertex).edges)
       for (const int face : mesh.edge(e).faces)
@@ -102,13 +105,15 @@ bool heads_for_faces(const PolylineMesh& mesh, const Walkway& opening, int from,
       if (std::any_of(ends.begin(), ends.end(), [&](int v) { return v == from || v == to; })) continue;
       if (place.distance < passed.distance) passed = place;
     }
-  const std::string where = concat("the stroke goes from v", from, " to v", to, ", which have no face in common");
+  const std::string where =
+      concat("the stroke goes from v", from, " to v", to, ", which have no face in common");
   if (passed.edge < 0)
     throw RefusedEdit(where, "cross every curve on the way, or draw it in parts from curve to curve");
   const std::string distance = text_of_length(passed.distance);
   throw RefusedEdit(
       concat(where, ": it passes c", mesh.edge(passed.edge).curve, " at a distance of ", distance,
-             passed.distance > snap ? concat(", more than the snapping distance of ", text_of_length(snap)) : ""),
+             passed.distance > snap ? concat(", more than the snapping distance of ", text_of_length(snap))
+                                    : ""),
       concat("draw it through c", mesh.edge(passed.edge).curve, ", or give a snap of ",
              text_of_length(1.05 * std::max(passed.distance, snap)),
              " or more; to close the opening instead, give \"into\": \"opening\""));
@@ -116,11 +121,11 @@ bool heads_for_faces(const PolylineMesh& mesh, const Walkway& opening, int from,
 
 void refuse_end(const PolylineMesh& mesh, const Vector3d& end, const char* verb, double snap) {
   const NearestPlace place = nearest_place(mesh, end);
-  throw RefusedEdit(concat("the stroke ", verb, " ", text_of_length(place.distance), " from the nearest curve, c",
-                           mesh.edge(place.edge).curve, ", more than the snapping distance of ",
-                           text_of_length(snap)),
-                    concat("draw it from curve to curve, or give a snap of ", text_of_length(1.05 * place.distance),
-                           " or more"));
+  throw RefusedEdit(
+      concat("the stroke ", verb, " ", text_of_length(place.distance), " from the nearest curve, c",
+             mesh.edge(place.edge).curve, ", more than the snapping distance of ", text_of_length(snap)),
+      concat("draw it from curve to curve, or give a snap of ", text_of_length(1.05 * place.distance),
+             " or more"));
 }
 
 /// Refuses a closed stroke that lies on a face without touching a curve: it would be meant as a hole.
@@ -174,10 +179,10 @@ std::vector<int> add_loop(PolylineMesh& mesh, const Stroke& stroke, double sharp
     vertex_of_piece.push_back(mesh.add_vertex(piece.points.row(0), piece.from >= 0));
   std::vector<int> sides;
   for (size_t k = 0; k < fitted.pieces.size(); ++k)
-    sides.push_back(side_of(mesh.add_edge(vertex_of_piece[k], vertex_of_piece[(k + 1) % vertex_of_piece.size()],
-                                          std::make_shared<Polyline>(fitted.pieces[k].points), curve, sharpness,
-                                          true),
-                            false));
+    sides.push_back(
+        side_of(mesh.add_edge(vertex_of_piece[k], vertex_of_piece[(k + 1) % vertex_of_piece.size()],
+                              std::make_shared<Polyline>(fitted.pieces[k].points), curve, sharpness, true),
+                false));
   return sides;
 }
 
@@ -218,7 +223,8 @@ std::vector<int> add_piece(PolylineMesh& mesh, const DrawnCurve& drawn, size_t p
     const int to = k + 1 == parts.size() ? drawn.vertices[(piece + 1) % drawn.vertices.size()]
                                          : mesh.add_vertex(points.row(points.rows() - 1));
     chain.push_back(
-        side_of(mesh.add_edge(from, to, std::make_shared<Polyline>(points), drawn.curve, sharpness, is_drawn), false));
+        side_of(mesh.add_edge(from, to, std::make_shared<Polyline>(points), drawn.curve, sharpness, is_drawn),
+                false));
     from = to;
   }
   return chain;
@@ -229,10 +235,11 @@ EditReport insert_ready(PolylineMesh& mesh, const Stroke& stroke, const std::vec
   EditReport report;
   if (!stroke.closed) {
     if (mesh.empty())
-      throw RefusedEdit(concat("the first curve is open: its ends are ",
-                               text_of_length((stroke.points.row(0) - stroke.points.row(stroke.points.rows() - 1)).norm()),
-                               " apart, more than the snapping distance of ", text_of_length(snap)),
-                        "begin with a closed curve, the border of the object");
+      throw RefusedEdit(
+          concat("the first curve is open: its ends are ",
+                 text_of_length((stroke.points.row(0) - stroke.points.row(stroke.points.rows() - 1)).norm()),
+                 " apart, more than the snapping distance of ", text_of_length(snap)),
+          "begin with a closed curve, the border of the object");
     if (contacts.empty() || contacts.front().arc > 0) refuse_end(mesh, stroke.points.row(0), "starts", snap);
     if (contacts.size() < 2 || contacts.back().arc < stroke.length)
       refuse_end(mesh, stroke.points.row(stroke.points.rows() - 1), "ends", snap);
@@ -240,14 +247,16 @@ EditReport insert_ready(PolylineMesh& mesh, const Stroke& stroke, const std::vec
     if (contacts.size() == 2 && start.edge >= 0 && start.edge == end.edge) {
       const auto [a, b] = mesh.edge(start.edge).vertices;
       if (!mesh.vertex(a).is_seam && !mesh.vertex(b).is_seam)
-        throw RefusedEdit(concat("the stroke starts and ends on the same piece of c", mesh.edge(start.edge).curve, ", ",
-                                 text_of_length(std::abs(start.edge_arc - end.edge_arc)), " apart along it"),
-                          "end it on another curve, or divide this piece by a curve first");
+        throw RefusedEdit(
+            concat("the stroke starts and ends on the same piece of c", mesh.edge(start.edge).curve, ", ",
+                   text_of_length(std::abs(start.edge_arc - end.edge_arc)), " apart along it"),
+            "end it on another curve, or divide this piece by a curve first");
     }
   }
   if (stroke.closed && contacts.size() == 1)
-    throw RefusedEdit(concat("the closed stroke meets the network in one place only, on ", name_of(mesh, contacts[0])),
-                      "draw it across curves in two places or more");
+    throw RefusedEdit(
+        concat("the closed stroke meets the network in one place only, on ", name_of(mesh, contacts[0])),
+        "draw it across curves in two places or more");
   for (size_t k = 0; k + (stroke.closed ? 0 : 1) < contacts.size(); ++k) {
     const Contact &a = contacts[k], &b = contacts[(k + 1) % contacts.size()];
     if (a.vertex >= 0 && a.vertex == b.vertex)
@@ -276,7 +285,8 @@ EditReport insert_ready(PolylineMesh& mesh, const Stroke& stroke, const std::vec
     double least = std::numeric_limits<double>::infinity();
     const std::vector<Walkway> ways = walkways(mesh, from, to);
     for (const Walkway& way : ways) {
-      if ((options.into == Into::Face && way.face < 0) || (options.into == Into::Opening && way.face >= 0)) continue;
+      if ((options.into == Into::Face && way.face < 0) || (options.into == Into::Opening && way.face >= 0))
+        continue;
       constexpr double kFacesFirst = 0.3;  // radians; an opening has to be meant
       const double cost = misfit(mesh, way.walk, from, leaving) + misfit(mesh, way.walk, to, arriving) +
                           (way.face < 0 ? kFacesFirst : 0);
@@ -285,7 +295,8 @@ EditReport insert_ready(PolylineMesh& mesh, const Stroke& stroke, const std::vec
         best = &way;
       }
     }
-    const bool common_face = std::any_of(ways.begin(), ways.end(), [](const Walkway& way) { return way.face >= 0; });
+    const bool common_face =
+        std::any_of(ways.begin(), ways.end(), [](const Walkway& way) { return way.face >= 0; });
     if (best && best->face < 0 && !common_face && options.into == Into::Auto &&
         heads_for_faces(mesh, *best, from, to, leaving, arriving))
       best = nullptr;

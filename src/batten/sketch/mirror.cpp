@@ -37,7 +37,8 @@ std::pair<Vector3d, Vector3d> axis_of(const std::optional<Points>& axis, const P
     ends = *axis;
   else
     ends << points.row(0), points.row(points.rows() - 1);
-  if (ends.rows() != 2 || !ends.allFinite() || !((ends.row(1) - ends.row(0)).norm() > 1e-12 * ends.cwiseAbs().maxCoeff()))
+  if (ends.rows() != 2 || !ends.allFinite() ||
+      !((ends.row(1) - ends.row(0)).norm() > 1e-12 * ends.cwiseAbs().maxCoeff()))
     throw RefusedEdit(axis ? "the two points of the axis are one or not finite"
                            : "the ends of the curve lie on each other and give no axis",
                       "give an axis of two different points");
@@ -67,7 +68,8 @@ EditReport mirror_curve(PolylineMesh& mesh, int curve, const std::optional<Point
 EditReport mirror_stroke(PolylineMesh& mesh, const DrawnStroke& stroke, const std::optional<Points>& axis,
                          const InsertOptions& options) {
   const double snap = detail::snap_or_default(mesh, stroke.points, options);
-  if (stroke.points.rows() < 2) throw RefusedEdit("the stroke has fewer than two points", "draw a longer stroke");
+  if (stroke.points.rows() < 2)
+    throw RefusedEdit("the stroke has fewer than two points", "draw a longer stroke");
   if (!stroke.points.allFinite())
     throw RefusedEdit("a point of the stroke is not finite", "leave this point out");
   const auto [on_axis, direction] = axis_of(axis, stroke.points);
@@ -76,9 +78,10 @@ EditReport mirror_stroke(PolylineMesh& mesh, const DrawnStroke& stroke, const st
   for (const Eigen::Index end : {Eigen::Index{0}, n - 1}) {
     const double gap = (stroke.points.row(end) - image.row(end)).norm();
     if (gap > 2 * snap)
-      throw RefusedEdit(concat("the stroke ", end == 0 ? "starts " : "ends ", detail::text_of_length(gap / 2),
-                               " from the axis, more than the snapping distance of ", detail::text_of_length(snap)),
-                        "draw it from the axis to the axis, or leave the axis out");
+      throw RefusedEdit(
+          concat("the stroke ", end == 0 ? "starts " : "ends ", detail::text_of_length(gap / 2),
+                 " from the axis, more than the snapping distance of ", detail::text_of_length(snap)),
+          "draw it from the axis to the axis, or leave the axis out");
   }
   // There and back; the ends, which lie on the axis, are counted once.
   DrawnStroke whole;

@@ -53,7 +53,8 @@ void erase_one(std::vector<int>& values, int value) {
 }
 
 int count_alive(const auto& elements) {
-  return static_cast<int>(std::count_if(elements.begin(), elements.end(), [](const auto& e) { return e.alive; }));
+  return static_cast<int>(
+      std::count_if(elements.begin(), elements.end(), [](const auto& e) { return e.alive; }));
 }
 
 }  // namespace
@@ -170,7 +171,8 @@ std::string PolylineMesh::problem_of_edge(int number) const {
   for (const bool backwards : {false, true}) {
     const int f = edge.faces[backwards ? 1 : 0];
     if (f < 0) continue;
-    if (index(f) >= faces_.size() || !face(f).alive) return concat(name, " names f", f, ", which does not exist");
+    if (index(f) >= faces_.size() || !face(f).alive)
+      return concat(name, " names f", f, ", which does not exist");
     const auto& sides = face(f).sides;
     if (std::count(sides.begin(), sides.end(), side_of(static_cast<int>(i), backwards)) != 1)
       return concat("f", f, " does not walk along ", name);
@@ -315,7 +317,8 @@ int PolylineMesh::add_vertex(const Eigen::Vector3d& position, bool is_seam) {
   return v;
 }
 
-int PolylineMesh::add_edge(int from, int to, SharedPolyline polyline, int curve, double sharpness, bool drawn) {
+int PolylineMesh::add_edge(int from, int to, SharedPolyline polyline, int curve, double sharpness,
+                           bool drawn) {
   const int e = static_cast<int>(edges_.size());
   edges_.emplace_back();
   SketchEdge& edge = touch_edge(e);

@@ -18,8 +18,9 @@ std::vector<int> profiles_met(const PolylineMesh& mesh, const std::vector<Contac
     const int edge = contact.edge >= 0 ? contact.edge : mesh.vertex(contact.vertex).edges.front();
     const auto found = std::find(curves.begin(), curves.end(), mesh.edge(edge).curve);
     if (found == curves.end())
-      throw RefusedEdit(concat("the ", which, " spine meets c", mesh.edge(edge).curve, ", which is no profile"),
-                        "draw the tube clear of other curves and glue it on afterwards");
+      throw RefusedEdit(
+          concat("the ", which, " spine meets c", mesh.edge(edge).curve, ", which is no profile"),
+          "draw the tube clear of other curves and glue it on afterwards");
     const int profile = static_cast<int>(found - curves.begin());
     if (std::count(met.begin(), met.end(), profile) > 0)
       throw RefusedEdit(concat("the ", which, " spine meets profile ", profile + 1, " twice"),
@@ -51,9 +52,10 @@ EditReport skin_profiles(PolylineMesh& mesh, const std::vector<DrawnStroke>& pro
     closed.closed = true;
     const Stroke stroke = detail::ready_stroke(closed, snap);
     if (const auto contacts = detail::find_contacts(mesh, stroke, snap); !contacts.empty())
-      throw RefusedEdit(concat("profile ", k + 1, " comes within ", detail::text_of_length(contacts[0].distance), " of ",
-                               detail::name_of(mesh, contacts[0])),
-                        "draw the tube clear of other curves and glue it on afterwards");
+      throw RefusedEdit(
+          concat("profile ", k + 1, " comes within ", detail::text_of_length(contacts[0].distance), " of ",
+                 detail::name_of(mesh, contacts[0])),
+          "draw the tube clear of other curves and glue it on afterwards");
     report.curves.push_back(mesh.add_curve());
     loops.push_back(detail::add_loop(mesh, stroke, options.sharpness, report.curves.back()));
   }
@@ -66,7 +68,8 @@ EditReport skin_profiles(PolylineMesh& mesh, const std::vector<DrawnStroke>& pro
     const char* which = s == 0 ? "first" : "second";
     strokes[s] = detail::ready_stroke(spines[s], snap);
     if (strokes[s].closed)
-      throw RefusedEdit(concat("the ", which, " spine is closed"), "draw it from the first profile to the last");
+      throw RefusedEdit(concat("the ", which, " spine is closed"),
+                        "draw it from the first profile to the last");
     contacts[s] = detail::find_contacts(mesh, strokes[s], snap);
     met[s] = profiles_met(mesh, contacts[s], report.curves, which);
     for (size_t k = 0; k < n; ++k)
@@ -75,7 +78,8 @@ EditReport skin_profiles(PolylineMesh& mesh, const std::vector<DrawnStroke>& pro
         for (const int side : loops[k]) {
           const Polyline& line = *mesh.edge(edge_of(side)).polyline;
           for (Eigen::Index i = 0; i < line.n_points(); ++i)
-            nearest = std::min(nearest, (strokes[s].points.rowwise() - line.points().row(i)).rowwise().norm().minCoeff());
+            nearest = std::min(
+                nearest, (strokes[s].points.rowwise() - line.points().row(i)).rowwise().norm().minCoeff());
         }
         throw RefusedEdit(concat("the ", which, " spine passes profile ", k + 1, " at a distance of ",
                                  detail::text_of_length(nearest), ", more than the snapping distance of ",
@@ -126,7 +130,8 @@ EditReport skin_profiles(PolylineMesh& mesh, const std::vector<DrawnStroke>& pro
       while (at != end) {
         int next = -1;
         for (const int e : mesh.vertex(at).edges)
-          if (mesh.edge(e).curve == report.curves[static_cast<size_t>(met[0][k])] && mesh.edge(e).vertices[0] == at)
+          if (mesh.edge(e).curve == report.curves[static_cast<size_t>(met[0][k])] &&
+              mesh.edge(e).vertices[0] == at)
             next = e;
         chain.push_back(side_of(next, false));
         at = mesh.edge(next).vertices[1];
@@ -145,7 +150,8 @@ EditReport skin_profiles(PolylineMesh& mesh, const std::vector<DrawnStroke>& pro
       mesh.add_face(std::move(walk));
     };
     face(halves[k][left], second, detail::reversed_chain(halves[k + 1][next]), detail::reversed_chain(first));
-    face(detail::reversed_chain(halves[k][1 - left]), first, halves[k + 1][1 - next], detail::reversed_chain(second));
+    face(detail::reversed_chain(halves[k][1 - left]), first, halves[k + 1][1 - next],
+         detail::reversed_chain(second));
     left = next;
   }
   detail::dissolve_seams(mesh, detail::seams_near(mesh, vertices));

@@ -27,8 +27,8 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-/// Standard deviation per coordinate of the noise: how far samples lie from the cubic through two neighbours on
-/// either side, with chord lengths as parameters, so that exact smooth strokes have none to fourth order.
+/// Standard deviation per coordinate of the noise: how far samples lie from the cubic through two neighbours
+/// on either side, with chord lengths as parameters, so that exact smooth strokes have none to fourth order.
 double estimate_noise(const Points& points) {
   const Index n = points.rows();
   if (n < 8) return 0;
@@ -294,7 +294,8 @@ int samples_needed(const Spline& spline, double t0, double t1, double length) {
     if (i + 1 < points.rows())
       turning += angle_between(points.row(i) - points.row(i - 1), points.row(i + 1) - points.row(i));
   }
-  return std::clamp(static_cast<int>(std::ceil(std::sqrt(turning * own / (8 * kChordError * length)))), 16, 1000);
+  return std::clamp(static_cast<int>(std::ceil(std::sqrt(turning * own / (8 * kChordError * length)))), 16,
+                    1000);
 }
 
 }  // namespace

@@ -22,8 +22,9 @@ struct Stroke {
   /// n × 3, n at least 2, in the unit of the model. A closed stroke does not repeat its first point.
   Points points;
   bool closed = false;
-  std::vector<int> corners;  ///< rows where the direction jumps, increasing; ends of open strokes not among them
-  double noise = 0;          ///< standard deviation of the hand or device per coordinate, estimated
+  std::vector<int>
+      corners;       ///< rows where the direction jumps, increasing; ends of open strokes not among them
+  double noise = 0;  ///< standard deviation of the hand or device per coordinate, estimated
   double length = 0;
 
   /// Arc length at each point and, last, the whole length (n + 1 values when closed, n when open).
@@ -32,8 +33,8 @@ struct Stroke {
 
 /// How a stroke is made ready.
 struct StrokeOptions {
-  /// The stroke is closed. Off: it is closed where its ends lie within `snap` of each other and it runs further
-  /// than six times that.
+  /// The stroke is closed. Off: it is closed where its ends lie within `snap` of each other and it runs
+  /// further than six times that.
   bool closed = false;
   /// Snapping distance, in the unit of the model, positive.
   double snap = 0;
@@ -69,9 +70,10 @@ struct FittedStroke {
   Points corner_positions;
 };
 
-/// Weighted constrained least-squares cubic B-splines from corner to corner (H 5.2.1): weights are the share of
-/// the length that a sample stands for, the held points are kept exactly, and the number of spans doubles
-/// until the rest is no more than the noise. Sampled finely enough that chords stay within 1e-5 of the length.
+/// Weighted constrained least-squares cubic B-splines from corner to corner (H 5.2.1): weights are the share
+/// of the length that a sample stands for, the held points are kept exactly, and the number of spans doubles
+/// until the rest is no more than the noise. Sampled finely enough that chords stay within 1e-5 of the
+/// length.
 /// @param held increasing in arc. Open strokes: the first at 0 and the last at the length. Closed strokes
 /// without corners: at least one.
 FittedStroke fit_stroke(const Stroke& stroke, const std::vector<HeldPoint>& held);

@@ -78,7 +78,8 @@ EditReport set_curve_sharpness(PolylineMesh& mesh, int curve, double sharpness,
 }
 
 EditReport transform_model(PolylineMesh& mesh, const Eigen::Matrix4d& matrix) {
-  if (!matrix.allFinite()) throw RefusedEdit("the matrix has a number that is not finite", "give 16 finite numbers");
+  if (!matrix.allFinite())
+    throw RefusedEdit("the matrix has a number that is not finite", "give 16 finite numbers");
   if (matrix(3, 0) != 0 || matrix(3, 1) != 0 || matrix(3, 2) != 0 || matrix(3, 3) != 1)
     throw RefusedEdit("the last row of the matrix is not 0 0 0 1", "give an affine matrix, row by row");
   const Eigen::Matrix3d linear = matrix.topLeftCorner<3, 3>();
@@ -116,7 +117,8 @@ double snap_or_default(const PolylineMesh& mesh, const Points& stroke, const Ins
   if (!std::isfinite(options.snap) || options.snap < 0)
     throw RefusedEdit(concat("the snapping distance is ", options.snap), "give a positive length");
   if (!(options.sharpness >= 0 && options.sharpness <= 1))
-    throw RefusedEdit(concat("the sharpness is ", options.sharpness), "give a value from 0 (smooth) to 1 (sharp)");
+    throw RefusedEdit(concat("the sharpness is ", options.sharpness),
+                      "give a value from 0 (smooth) to 1 (sharp)");
   return options.snap > 0 ? options.snap : default_snap(mesh, stroke);
 }
 
@@ -167,7 +169,8 @@ Stroke part_of(const Stroke& stroke, double from, double to) {
   }
   part.points.resize(static_cast<Eigen::Index>(rows.size()) + 2, 3);
   part.points.row(0) = line.at(from).transpose();
-  for (size_t k = 0; k < rows.size(); ++k) part.points.row(static_cast<Eigen::Index>(k) + 1) = stroke.points.row(rows[k]);
+  for (size_t k = 0; k < rows.size(); ++k)
+    part.points.row(static_cast<Eigen::Index>(k) + 1) = stroke.points.row(rows[k]);
   part.points.row(part.points.rows() - 1) = line.at(to).transpose();
   part.length = part.arcs().back();
   return part;
@@ -193,7 +196,8 @@ Eigen::Vector3d half_direction(const PolylineMesh& mesh, const std::vector<int>&
     left -= line.length();
   }
   const Eigen::Vector3d ends =
-      (mesh.vertex(mesh.start_of(chain.front())).position + mesh.vertex(mesh.end_of(chain.back())).position) / 2;
+      (mesh.vertex(mesh.start_of(chain.front())).position + mesh.vertex(mesh.end_of(chain.back())).position) /
+      2;
   return (ends - middle).stableNormalized();
 }
 
@@ -202,7 +206,8 @@ bool first_faces_first(const PolylineMesh& mesh, const std::array<std::vector<in
   double best[2] = {-2, -2};
   for (size_t i = 0; i < 2; ++i)
     for (size_t j = 0; j < 2; ++j)
-      best[i == j ? 0 : 1] = std::max(best[i == j ? 0 : 1], half_direction(mesh, a[i]).dot(half_direction(mesh, b[j])));
+      best[i == j ? 0 : 1] =
+          std::max(best[i == j ? 0 : 1], half_direction(mesh, a[i]).dot(half_direction(mesh, b[j])));
   return best[0] >= best[1];
 }
 

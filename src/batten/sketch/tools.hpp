@@ -21,8 +21,8 @@ struct DrawnStroke {
 
 /// What a tool has done.
 struct EditReport {
-  /// Change of the Euler characteristic that the steps of the tool amount to, counted as they are done and not
-  /// from the result.
+  /// Change of the Euler characteristic that the steps of the tool amount to, counted as they are done and
+  /// not from the result.
   int euler_change = 0;
   std::vector<int> curves;           ///< new curves
   std::vector<std::string> remarks;  ///< worth telling, in words
@@ -39,8 +39,8 @@ enum class Into {
 double default_snap(const PolylineMesh& mesh, const Points& stroke);
 
 /// Inserts a curve (H 5.2.1): the first boundary of a component, or a curve that starts and ends on the
-/// network, crosses any number of curves within `snap` of them, and divides the faces on its way; a closed one
-/// crosses at least one curve. Its pieces over an opening close it.
+/// network, crosses any number of curves within `snap` of them, and divides the faces on its way; a closed
+/// one crosses at least one curve. Its pieces over an opening close it.
 struct InsertOptions {
   double snap = 0;  ///< snapping distance to curves and vertices, in the unit of the model; 0: default_snap()
   double sharpness = 0;  ///< 0 … 1
@@ -59,8 +59,8 @@ EditReport mirror_curve(PolylineMesh& mesh, int curve, const std::optional<Point
 EditReport mirror_stroke(PolylineMesh& mesh, const DrawnStroke& stroke, const std::optional<Points>& axis,
                          const InsertOptions& options = {});
 
-/// Cuts a hole (H 5.2.2). A stroke that meets no curve lies within a face and is tied to every corner of it by
-/// a straight curve (6.4.2); one that crosses curves takes away what lies inside it.
+/// Cuts a hole (H 5.2.2). A stroke that meets no curve lies within a face and is tied to every corner of it
+/// by a straight curve (6.4.2); one that crosses curves takes away what lies inside it.
 EditReport cut_hole(PolylineMesh& mesh, const DrawnStroke& stroke, const InsertOptions& options = {});
 
 /// Joins two borders by a tube of two faces (H 5.2.3). The two strokes run from the one border to the other.
@@ -84,7 +84,7 @@ EditReport transform_model(PolylineMesh& mesh, const Eigen::Matrix4d& matrix);
 /// How well a curve was laid on a stroke.
 struct Alignment {
   Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();  ///< rigid; takes the reference onto the stroke
-  double rms = 0;      ///< distance of the reference from the stroke, in the unit of the model
+  double rms = 0;          ///< distance of the reference from the stroke, in the unit of the model
   bool ambiguous = false;  ///< another pose, not near this one, fits as well: the curve is symmetric
 };
 /// The rigid motion that takes a curve onto a stroke of the same object in another place (H 5.3): principal

@@ -13,8 +13,8 @@ Stroke ready_stroke(const DrawnStroke& drawn, double snap);
 /// @throws RefusedEdit unless the curve exists.
 void require_curve(const PolylineMesh& mesh, int curve);
 
-/// A closed stroke that meets nothing, as edges of a new curve: vertices at its corners, two seams where it has
-/// fewer than two. @return the sides in the sense of the stroke.
+/// A closed stroke that meets nothing, as edges of a new curve: vertices at its corners, two seams where it
+/// has fewer than two. @return the sides in the sense of the stroke.
 std::vector<int> add_loop(PolylineMesh& mesh, const Stroke& stroke, double sharpness, int curve);
 
 /// A curve and the walks of its pieces: walks[k] runs from vertex k to vertex k + 1 of the contacts.
