@@ -172,7 +172,8 @@ def charger():
     s.insert([[0, 4 * u, height(abs(u))] for u in across], snap=0.15)
     s.insert(ring(3, 2, 2.2), closed=True, snap=0.15, sharpness=1)  # the rim of the cavity
     s.insert(ring(1.5, 1, height(0.25)), closed=True, snap=0.15)
-    s.insert(line([-4, -4 * (1 - (4 / 6) ** (2 / 0.7)) ** 0.35, 0], [4, 4 * (1 - (4 / 6) ** (2 / 0.7)) ** 0.35, 0]), into="opening", snap=0.15)
+    y = 4 * (1 - (4 / 6) ** 4) ** 0.25  # on the outline at x = 4
+    s.insert(line([-4, -y, 0], [4, y, 0]), into="opening", snap=0.15)
     s.add("sharpness", curve="c0", value=1)
     s.write()
 
