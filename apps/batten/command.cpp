@@ -108,7 +108,7 @@ int run_chosen() {
     print(outcome);
     std::cout.flush();
     if (!std::cout) return fail(kBadInput, "standard output cannot be written");
-    return kOk;
+    return outcome.failure.empty() ? kOk : fail(kWorkFailed, outcome.failure);
   } catch (const CLI::Error& error) {
     return fail(kBadUsage, error.what());
   } catch (const InvalidInput& error) {
@@ -160,6 +160,7 @@ int run(int argc, char** argv) {
   add_calibrate(app);
   add_network(app);
   add_surface(app);
+  add_sketch(app);
   add_reconstruct(app);
   add_subdivide(app);
   add_compare(app);

@@ -33,6 +33,7 @@ struct Outcome {
   std::vector<std::string> warnings;  ///< becomes "warnings"; printed to stderr without --json
   std::vector<std::string> lines;     ///< printed to stdout without --json
   Exhibit exhibit;                    ///< drawn by --report; may be empty
+  std::string failure;  ///< a sentence: the result is printed all the same, and the exit code is 1
 };
 
 /// The surroundings of a command that runs.
@@ -60,6 +61,7 @@ void add_simulate(CLI::App& app);
 void add_calibrate(CLI::App& app);
 void add_network(CLI::App& app);
 void add_surface(CLI::App& app);
+void add_sketch(CLI::App& app);
 void add_reconstruct(CLI::App& app);
 void add_compare(CLI::App& app);
 void add_convert(CLI::App& app);

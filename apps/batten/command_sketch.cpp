@@ -1,0 +1,264 @@
+#include "command.hpp"
+
+#include <algorithm>
+#include <memory>
+
+#include "batten/core/error.hpp"
+#include "batten/core/text.hpp"
+#include "batten/core/units.hpp"
+#include "batten/io/file.hpp"
+#include "batten/io/mesh_io.hpp"
+#include "batten/session/edit_json.hpp"
+#include "batten/session/journal.hpp"
+#include "batten/session/project.hpp"
+#include "batten/sketch/diffusion_surface.hpp"
+#include "batten/sketch/model_network.hpp"
+#include "batten/subdivision/bspline_surface.hpp"
+#include "batten/subdivision/step.hpp"
+#include "batten/subdivision/subdivide.hpp"
+#include "batten/surfacing/surface.hpp"
+
+namespace batten::cli {
+
+namespace {
+
+struct SketchArguments {
+  std::string session, output, surface, method = "v2", step;
+  int levels = 3, splits = 3;
+  bool strict = false;
+};
+
+std::string id(char kind, int number) {
+  return kind + std::to_string(number);
+}
+
+Json ids(char kind, const std::vector<int>& numbers) {
+  Json list = Json::array();
+  for (const int number : numbers) list.push_back(id(kind, number));
+  return list;
+}
+
+/// The model with the ids of everything, for scripts that go on from here.
+void describe(const PolylineMesh& mesh, Json& figures) {
+  const SketchCounts counts = mesh.counts();
+  figures["curves"] = counts.curves;
+  figures["vertices"] = counts.vertices;
+  figures["edges"] = counts.edges;
+  figures["faces"] = counts.faces;
+  figures["components"] = counts.components;
+  figures["boundary_loops"] = counts.boundary_loops;
+  figures["genus"] = counts.genus;
+  figures["euler_characteristic"] = counts.euler_characteristic();
+  std::vector<Json> curves(static_cast<size_t>(mesh.n_curves()));
+  for (const SketchEdge& edge : mesh.edges()) {
+    if (!edge.alive) continue;
+    Json& curve = curves[static_cast<size_t>(edge.curve)];
+    if (curve.is_null())
+      curve = {{"id", id('c', edge.curve)},
+               {"length", 0.0},
+               {"sharpness", edge.sharpness},
+               {"drawn", edge.drawn},
+               {"edges", Json::array()}};
+    curve["length"] = curve["length"].get<double>() + edge.polyline->length();
+    curve["edges"].push_back({id('v', edge.vertices[0]), id('v', edge.vertices[1])});
+  }
+  figures["curve_list"] = Json::array();
+  for (Json& curve : curves)
+    if (!curve.is_null()) figures["curve_list"].push_back(std::move(curve));
+  figures["vertex_list"] = Json::array();
+  for (size_t v = 0; v < mesh.vertices().size(); ++v) {
+    const SketchVertex& vertex = mesh.vertices()[v];
+    if (vertex.alive)
+      figures["vertex_list"].push_back(
+          {{"id", id('v', static_cast<int>(v))},
+           {"position", {vertex.position.x(), vertex.position.y(), vertex.position.z()}}});
+  }
+  figures["face_list"] = Json::array();
+  for (size_t f = 0; f < mesh.faces().size(); ++f) {
+    if (!mesh.faces()[f].alive) continue;
+    std::vector<int> corners;
+    for (const int side : mesh.faces()[f].sides) corners.push_back(mesh.start_of(side));
+    figures["face_list"].push_back({{"id", id('f', static_cast<int>(f))}, {"corners", ids('v', corners)}});
+  }
+}
+
+/// Plays a session; refused edits are told and passed over.
+void play(const Session& session, const std::string& path, Project& project, Context& context,
+          Outcome& outcome) {
+  project.unit = session.unit;
+  Json edits = Json::array(), refused = Json::array();
+  for (size_t k = 0; k < session.edits.size(); ++k) {
+    context.progress.report("edits", static_cast<double>(k) / static_cast<double>(session.edits.size()));
+    const SessionEdit& edit = session.edits[k];
+    const std::string op = name_of_op(edit.edit);
+    try {
+      const EditOutcome done = project.document.apply(edit.edit);
+      edits.push_back({{"line", edit.line},
+                       {"op", op},
+                       {"curves", ids('c', done.report.curves)},
+                       {"vertices", ids('v', done.vertices)}});
+      for (const std::string& remark : done.report.remarks) {
+        edits.back()["remarks"].push_back(remark);
+        outcome.lines.push_back(concat("line ", edit.line, ": ", remark));
+      }
+    } catch (const RefusedEdit& refusal) {
+      refused.push_back(
+          {{"line", edit.line}, {"op", op}, {"reason", refusal.reason()}, {"remedy", refusal.remedy()}});
+      outcome.lines.push_back(concat("line ", edit.line, ": ", op, " refused: ", refusal.what()));
+    }
+  }
+  if (session.torn)
+    outcome.warnings.push_back(
+        concat(path, ":", session.torn_line,
+               ": the last line is not finished; the edit that was being written is lost"));
+  outcome.figures["edits_done"] = edits.size();
+  outcome.figures["edits_refused"] = refused.size();
+  outcome.figures["edits"] = std::move(edits);
+  outcome.figures["refused"] = std::move(refused);
+}
+
+/// Millimetres in the unit of the session. @throws InvalidInput.
+double millimetres_in(const std::string& unit) {
+  const Length one = parse_length("1" + unit);
+  if (one.kind != Length::Kind::Metres)
+    throw InvalidInput(
+        concat("the unit of the session is '", unit, "'; STEP needs m, cm, mm, um, km, in or ft"));
+  return 1000 * one.value;
+}
+
+/// Quads as triangles, cut along the shorter diagonal.
+Triangles cut_quads(const PolygonMesh& mesh) {
+  Triangles triangles(2 * mesh.n_faces(), 3);
+  for (Eigen::Index f = 0; f < mesh.n_faces(); ++f) {
+    const int* c = &mesh.corners[static_cast<size_t>(mesh.offsets[static_cast<size_t>(f)])];
+    const auto p = [&](int k) { return mesh.positions.row(c[k]); };
+    const int first = (p(0) - p(2)).squaredNorm() <= (p(1) - p(3)).squaredNorm() ? 0 : 1;
+    triangles.row(2 * f) << c[first], c[first + 1], c[first + 2];
+    triangles.row(2 * f + 1) << c[first], c[first + 2], c[(first + 3) % 4];
+  }
+  return triangles;
+}
+
+/// The surface of H 6.4 and what is written of it.
+void make_surface(const SketchArguments& arguments, const Project& project, const Context& context,
+                  Outcome& outcome) {
+  DiffusionOptions options;
+  options.splits = arguments.splits;
+  // Filling the network does not refine it any further, so it wants more samples along its curves.
+  if (arguments.method == "curvature") options.splits = std::min(options.splits + 1, 6);
+  const DiffusionSurface surface = diffusion_surface(project.document.mesh(), options, context.progress);
+  outcome.times.add(surface.times);
+  Json& figures = outcome.figures["surface"] = Json::object();
+  figures["quads"] = surface.refined.mesh.n_faces();
+  figures["last_move"] = surface.last_move;
+  if (!arguments.surface.empty()) {
+    TriangleMesh mesh;
+    if (arguments.method == "curvature") {
+      SurfaceResult filled =
+          surface_network(network_of_model(project.document.mesh(), surface), {}, context.progress);
+      outcome.times.add(filled.times);
+      outcome.warnings.insert(outcome.warnings.end(), filled.warnings.begin(), filled.warnings.end());
+      figures["cycles"] = filled.n_cycles;
+      figures["folded_triangles"] = filled.folded_triangles;
+      mesh = std::move(filled.mesh);
+    } else {
+      const ScopedStage stage(outcome.times, "subdivision");
+      SubdivisionOptions subdivision;
+      subdivision.levels = arguments.levels;
+      subdivision.limit = true;
+      const SubdividedSurface fine = subdivide(surface.cage, subdivision, context.progress);
+      mesh.positions = fine.limit_positions;
+      mesh.normals = fine.limit_normals;
+      mesh.triangles = cut_quads(fine.cage.mesh);
+    }
+    const ScopedStage stage(outcome.times, "write");
+    write_mesh(arguments.surface, mesh);
+    figures["vertices"] = mesh.n_vertices();
+    figures["faces"] = mesh.n_triangles();
+    outcome.lines.push_back(
+        concat(arguments.surface, ": ", mesh.n_vertices(), " vertices, ", mesh.n_triangles(), " triangles"));
+    outcome.exhibit.mesh = std::move(mesh);
+  }
+  if (!arguments.step.empty()) {
+    const ScopedStage stage(outcome.times, "step");
+    const BsplineSurface patches = limit_bsplines(surface.cage, {}, context.progress);
+    StepOptions step;
+    step.millimetres_per_unit = millimetres_in(project.unit);
+    write_file(arguments.step, format_step(patches, step));
+    figures["patches"] = patches.patches.size();
+    figures["step_deviation"] = patches.deviation;
+    outcome.lines.push_back(concat(arguments.step, ": ", patches.patches.size(), " patches"));
+  }
+}
+
+Outcome run_sketch(const SketchArguments& arguments, Context& context) {
+  if (file_extension(arguments.output) != "batten")
+    throw FileError(arguments.output, 0, "the output is a project; its extension must be .batten");
+  if (!arguments.surface.empty()) mesh_format(arguments.surface);
+  if (!arguments.step.empty() && !has_step())
+    throw InvalidInput("this program was built without Open Cascade and cannot write STEP; leave --step out");
+  Outcome outcome;
+  Project project;
+  if (file_extension(arguments.session) == "batten") {
+    const ScopedStage stage(outcome.times, "read");
+    project = read_project(arguments.session, &outcome.warnings);
+    outcome.figures["refused"] = Json::array();
+  } else {
+    Session session;
+    {
+      const ScopedStage stage(outcome.times, "read");
+      session = read_session(arguments.session);
+    }
+    const ScopedStage stage(outcome.times, "edits");
+    play(session, arguments.session, project, context, outcome);
+  }
+  const PolylineMesh& mesh = project.document.mesh();
+  outcome.figures["unit"] = project.unit;
+  describe(mesh, outcome.figures);
+  {
+    const ScopedStage stage(outcome.times, "write");
+    write_project(arguments.output, project);
+  }
+  const SketchCounts counts = mesh.counts();
+  outcome.lines.push_back(concat(arguments.output, ": ", counts.curves, " curves, ", counts.vertices,
+                                 " vertices, ", counts.faces, " faces, ", counts.components, " component",
+                                 counts.components == 1 ? "" : "s", ", ", counts.boundary_loops, " border",
+                                 counts.boundary_loops == 1 ? "" : "s", ", genus ", counts.genus));
+  if (!arguments.surface.empty() || !arguments.step.empty())
+    make_surface(arguments, project, context, outcome);
+  const auto n_refused = outcome.figures["refused"].size();
+  if (arguments.strict && n_refused > 0)
+    outcome.failure =
+        concat(n_refused, " edit", n_refused == 1 ? " was" : "s were", " refused, the first in line ",
+               outcome.figures["refused"][0]["line"].get<long>(), ": ",
+               outcome.figures["refused"][0]["reason"].get<std::string>());
+  return outcome;
+}
+
+}  // namespace
+
+void add_sketch(CLI::App& app) {
+  const auto arguments = std::make_shared<SketchArguments>();
+  CLI::App* command =
+      add_command(app, "sketch", "Play a recorded sketching session into a model of curves and faces.",
+                  "batten sketch session.jsonl -o model.batten --json",
+                  [arguments](Context& context) { return run_sketch(*arguments, context); });
+  command->add_option("session", arguments->session, "Session (JSON lines), or a project (.batten)")
+      ->required();
+  command->add_option("-o,--output", arguments->output, "Project to write: .batten")->required();
+  command->add_option("--surface", arguments->surface, "Surface to write: .ply, .obj, .off or .stl");
+  command
+      ->add_option(
+          "--method", arguments->method,
+          "How the surface is made: v2, by diffusion of mean curvature, or curvature, by filling the network")
+      ->check(CLI::IsMember({"v2", "curvature"}));
+  command->add_option("--levels", arguments->levels, "Levels of Catmull-Clark subdivision after the flow")
+      ->check(CLI::Range(0, 6));
+  command
+      ->add_option("--splits", arguments->splits, "Splits of the faces before the flow: 3 gives 16 n quads")
+      ->check(CLI::Range(1, 6));
+  command->add_option("--step", arguments->step, "STEP file to write: the limit surface as B-spline patches");
+  command->add_flag("--strict", arguments->strict, "Exit with 1 when an edit was refused");
+}
+
+}  // namespace batten::cli

@@ -1,0 +1,110 @@
+#include <cstdint>
+
+#include <zlib.h>
+
+#include "batten/core/error.hpp"
+#include "batten/session/archive_detail.hpp"
+
+namespace batten::detail {
+
+namespace {
+
+// Layout: PKWARE's APPNOTE 6.3, sections 4.3.7 (local header), 4.3.12 (central directory), 4.3.16 (its end).
+constexpr std::uint32_t kLocal = 0x04034b50, kCentral = 0x02014b50, kEnd = 0x06054b50;
+constexpr size_t kLocalSize = 30, kCentralSize = 46, kEndSize = 22;
+
+void put(std::string& out, std::uint64_t value, int bytes) {
+  for (int i = 0; i < bytes; ++i) out.push_back(static_cast<char>((value >> (8 * i)) & 0xff));
+}
+
+std::uint32_t get(const std::string& bytes, size_t at, int n) {
+  if (at + static_cast<size_t>(n) > bytes.size()) throw InvalidInput("the project file is cut off");
+  std::uint32_t value = 0;
+  for (int i = 0; i < n; ++i)
+    value |= static_cast<std::uint32_t>(static_cast<unsigned char>(bytes[at + static_cast<size_t>(i)]))
+             << (8 * i);
+  return value;
+}
+
+std::uint32_t checksum(const std::string& content) {
+  return static_cast<std::uint32_t>(
+      crc32_z(crc32(0, nullptr, 0), reinterpret_cast<const Bytef*>(content.data()), content.size()));
+}
+
+void put_common(std::string& out, const std::string& name, const std::string& content) {
+  put(out, 20, 2);            // version needed
+  put(out, 0, 2);             // flags
+  put(out, 0, 2);             // stored
+  put(out, 0, 2);             // time
+  put(out, (1 << 5) | 1, 2);  // 1 January 1980, the first day there is
+  put(out, checksum(content), 4);
+  put(out, content.size(), 4);
+  put(out, content.size(), 4);
+  put(out, name.size(), 2);
+  put(out, 0, 2);  // extra
+}
+
+}  // namespace
+
+std::string format_archive(const std::map<std::string, std::string>& entries) {
+  std::string out, directory;
+  for (const auto& [name, content] : entries) {
+    const size_t at = out.size();
+    put(out, kLocal, 4);
+    put_common(out, name, content);
+    out += name + content;
+    put(directory, kCentral, 4);
+    put(directory, 20, 2);  // made by
+    put_common(directory, name, content);
+    put(directory, 0, 2);  // comment
+    put(directory, 0, 2);  // disk
+    put(directory, 0, 2);  // internal attributes
+    put(directory, 0, 4);  // external attributes
+    put(directory, at, 4);
+    directory += name;
+  }
+  const size_t at = out.size();
+  out += directory;
+  put(out, kEnd, 4);
+  put(out, 0, 4);  // disks
+  put(out, entries.size(), 2);
+  put(out, entries.size(), 2);
+  put(out, directory.size(), 4);
+  put(out, at, 4);
+  put(out, 0, 2);  // comment
+  return out;
+}
+
+std::map<std::string, std::string> parse_archive(const std::string& bytes) {
+  if (bytes.size() < kEndSize || get(bytes, 0, 4) != kLocal)
+    throw InvalidInput("this is no project file (it does not begin as a zip file)");
+  size_t end = bytes.size() - kEndSize;
+  while (get(bytes, end, 4) != kEnd) {
+    if (end == 0 || bytes.size() - end > 65557) throw InvalidInput("the project file is cut off");
+    --end;
+  }
+  const std::uint32_t n = get(bytes, end + 10, 2);
+  size_t at = get(bytes, end + 16, 4);
+  std::map<std::string, std::string> entries;
+  for (std::uint32_t k = 0; k < n; ++k) {
+    if (get(bytes, at, 4) != kCentral) throw InvalidInput("the directory of the project file is damaged");
+    const std::uint32_t method = get(bytes, at + 10, 2), sum = get(bytes, at + 16, 4),
+                        size = get(bytes, at + 24, 4), name_size = get(bytes, at + 28, 2),
+                        local = get(bytes, at + 42, 4);
+    if (at + kCentralSize + name_size > bytes.size()) throw InvalidInput("the project file is cut off");
+    const std::string name = bytes.substr(at + kCentralSize, name_size);
+    if (method != 0)
+      throw InvalidInput("the entry " + name + " of the project file is compressed; store it uncompressed");
+    if (get(bytes, local, 4) != kLocal)
+      throw InvalidInput("the entry " + name + " of the project file is damaged");
+    const size_t start = local + kLocalSize + get(bytes, local + 26, 2) + get(bytes, local + 28, 2);
+    if (start + size > bytes.size()) throw InvalidInput("the project file is cut off");
+    std::string content = bytes.substr(start, size);
+    if (checksum(content) != sum) throw InvalidInput("the entry " + name + " of the project file is damaged");
+    entries[name] = std::move(content);
+    at += kCentralSize + name_size + get(bytes, at + 30, 2) + get(bytes, at + 32, 2);
+  }
+  return entries;
+}
+
+}  // namespace batten::detail

@@ -1,0 +1,301 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include <Eigen/Geometry>
+
+#include "batten/core/text.hpp"
+#include "batten/mesh/distance.hpp"
+#include "batten/sketch/contacts_detail.hpp"
+
+namespace batten::detail {
+
+namespace {
+
+using Eigen::Index;
+using Eigen::Vector3d;
+
+/// Closest points of two segments p + s d and q + t e (Ericson, Real-Time Collision Detection, 5.1.9).
+struct SegmentPair {
+  double s = 0, t = 0, distance = 0;
+};
+SegmentPair closest(const Vector3d& p, const Vector3d& d, const Vector3d& q, const Vector3d& e) {
+  const Vector3d r = p - q;
+  const double a = d.dot(d), b = e.dot(e), c = d.dot(e), f = e.dot(r), g = d.dot(r);
+  const double det = a * b - c * c;
+  SegmentPair pair;
+  pair.s = det > 1e-12 * a * b ? std::clamp((c * f - g * b) / det, 0.0, 1.0) : 0;
+  pair.t = b > 0 ? (c * pair.s + f) / b : 0;
+  if (pair.t < 0 || pair.t > 1) {
+    pair.t = std::clamp(pair.t, 0.0, 1.0);
+    pair.s = a > 0 ? std::clamp((c * pair.t - g) / a, 0.0, 1.0) : 0;
+  }
+  pair.distance = (p + pair.s * d - q - pair.t * e).norm();
+  return pair;
+}
+
+Box grown(Box box, double by) {
+  box.low.array() -= by;
+  box.high.array() += by;
+  return box;
+}
+
+double distance_to(const Box& box, const Vector3d& point) {
+  return (point - point.cwiseMax(box.low).cwiseMin(box.high)).norm();
+}
+
+struct Hit {
+  double arc;
+  int edge;
+  double edge_arc;
+  double distance;
+};
+
+/// The same line with segments of at most `step` (and at most 20,000 of them): where a stroke runs along a
+/// curve, the nearest places of each segment then show it.
+Polyline finely_divided(const Points& points, double step) {
+  double length = 0;
+  for (Index i = 1; i < points.rows(); ++i) length += (points.row(i) - points.row(i - 1)).norm();
+  step = std::max(step, length / 20000);
+  std::vector<Vector3d> fine{points.row(0)};
+  for (Index i = 1; i < points.rows(); ++i) {
+    const Vector3d a = points.row(i - 1), b = points.row(i);
+    const int parts = std::max(1, static_cast<int>(std::ceil((b - a).norm() / step)));
+    for (int k = 1; k < parts; ++k) fine.emplace_back(a + (b - a) * k / parts);
+    fine.push_back(b);
+  }
+  Points rows(static_cast<Index>(fine.size()), 3);
+  for (size_t i = 0; i < fine.size(); ++i) rows.row(static_cast<Index>(i)) = fine[i].transpose();
+  return Polyline(std::move(rows));
+}
+
+/// All pairs of segments of stroke and model within `snap`.
+std::vector<Hit> find_hits(const PolylineMesh& mesh, const Polyline& line, double snap) {
+  std::vector<Hit> hits;
+  const Box reach = grown(line.box(), snap);
+  for (size_t e = 0; e < mesh.edges().size(); ++e) {
+    const SketchEdge& edge = mesh.edges()[e];
+    if (!edge.alive || !edge.polyline->box().meets(reach)) continue;
+    const Polyline& old = *edge.polyline;
+    const Box old_reach = grown(old.box(), snap);
+    for (size_t block = 0; block < line.blocks().size(); ++block) {
+      if (!line.blocks()[block].meets(old_reach)) continue;
+      const Box block_reach = grown(line.blocks()[block], snap);
+      for (size_t other = 0; other < old.blocks().size(); ++other) {
+        if (!old.blocks()[other].meets(block_reach)) continue;
+        const auto i0 = static_cast<Index>(block) * Polyline::kBlock,
+                   j0 = static_cast<Index>(other) * Polyline::kBlock;
+        const Index i1 = std::min(i0 + Polyline::kBlock, line.n_points() - 1),
+                    j1 = std::min(j0 + Polyline::kBlock, old.n_points() - 1);
+        for (Index i = i0; i < i1; ++i) {
+          const Vector3d p = line.points().row(i), d = line.points().row(i + 1).transpose() - p;
+          for (Index j = j0; j < j1; ++j) {
+            const Vector3d q = old.points().row(j), f = old.points().row(j + 1).transpose() - q;
+            const SegmentPair pair = closest(p, d, q, f);
+            if (pair.distance > snap) continue;
+            hits.push_back({line.arc(i) + pair.s * (line.arc(i + 1) - line.arc(i)), static_cast<int>(e),
+                            old.arc(j) + pair.t * (old.arc(j + 1) - old.arc(j)), pair.distance});
+          }
+        }
+      }
+    }
+  }
+  std::sort(hits.begin(), hits.end(), [](const Hit& a, const Hit& b) {
+    return a.arc != b.arc ? a.arc < b.arc : a.edge != b.edge ? a.edge < b.edge : a.edge_arc < b.edge_arc;
+  });
+  return hits;
+}
+
+Contact contact_of(const PolylineMesh& mesh, const Hit& hit, double snap) {
+  const SketchEdge& edge = mesh.edge(hit.edge);
+  Contact contact;
+  contact.arc = hit.arc;
+  contact.edge = hit.edge;
+  contact.edge_arc = hit.edge_arc;
+  contact.distance = hit.distance;
+  contact.position = edge.polyline->at(hit.edge_arc);
+  const double to_ends[2] = {hit.edge_arc, edge.polyline->length() - hit.edge_arc};
+  const int nearer = to_ends[0] <= to_ends[1] ? 0 : 1;
+  // A seam is invisible to whoever draws, so it does not attract; it is only taken where it would leave a
+  // sliver.
+  const int vertex = edge.vertices[static_cast<size_t>(nearer)];
+  const double reach = mesh.vertex(vertex).is_seam ? 0.05 * snap : snap;
+  if ((contact.position - mesh.vertex(vertex).position).norm() <= reach && to_ends[nearer] <= 2 * reach) {
+    contact.vertex = vertex;
+    contact.edge = -1;
+    contact.position = mesh.vertex(vertex).position;
+  }
+  return contact;
+}
+
+bool same_place(const Contact& a, const Contact& b, double snap) {
+  if (a.vertex >= 0 || b.vertex >= 0) return a.vertex == b.vertex;
+  return a.edge == b.edge && std::abs(a.edge_arc - b.edge_arc) <= 2 * snap;
+}
+
+}  // namespace
+
+std::string text_of_length(double length) {
+  std::ostringstream out;
+  out.precision(3);
+  out << length;
+  return out.str();
+}
+
+std::string name_of(const PolylineMesh& mesh, const Contact& contact) {
+  return contact.vertex >= 0 ? concat("v", contact.vertex) : concat("c", mesh.edge(contact.edge).curve);
+}
+
+std::vector<Contact> find_contacts(const PolylineMesh& mesh, const Stroke& stroke, double snap) {
+  Points points = stroke.points;
+  if (stroke.closed) {
+    points.conservativeResize(points.rows() + 1, 3);
+    points.row(points.rows() - 1) = stroke.points.row(0);
+  }
+  const Polyline line = finely_divided(points, snap);
+  std::vector<Hit> hits = find_hits(mesh, line, snap);
+
+  // Runs of hits on one edge; each has one place where it comes nearest.
+  std::map<int, std::vector<std::vector<Hit>>> runs_of_edge;
+  for (const Hit& hit : hits) {
+    auto& runs = runs_of_edge[hit.edge];
+    if (runs.empty() || hit.arc - runs.back().back().arc > 2 * snap) runs.emplace_back();
+    runs.back().push_back(hit);
+  }
+  std::vector<Hit> nearest;
+  for (const auto& [edge, runs] : runs_of_edge)
+    for (const auto& run : runs) {
+      const double along = run.back().arc - run.front().arc;
+      if (along > 12 * snap)
+        throw RefusedEdit(
+            concat("the stroke runs along c", mesh.edge(edge).curve, " for ", text_of_length(along),
+                   ", within the snapping distance of ", text_of_length(snap)),
+            "cross the curve once, or use a smaller snapping distance");
+      nearest.push_back(*std::min_element(
+          run.begin(), run.end(), [](const Hit& a, const Hit& b) { return a.distance < b.distance; }));
+    }
+  std::stable_sort(nearest.begin(), nearest.end(), [](const Hit& a, const Hit& b) { return a.arc < b.arc; });
+
+  std::vector<Contact> contacts;
+  for (const Hit& hit : nearest) {
+    Contact contact = contact_of(mesh, hit, snap);
+    contact.arc = std::min(contact.arc, stroke.length);
+    // Edges that meet at a vertex are all met there: one contact, the nearest, the vertex before its edges.
+    Contact* last = contacts.empty() ? nullptr : &contacts.back();
+    const bool close =
+        last && (contact.position - last->position).norm() <= 2 * snap && contact.arc - last->arc <= 4 * snap;
+    if (last && (same_place(contact, *last, snap) || close)) {
+      const bool better = (contact.vertex >= 0) != (last->vertex >= 0) ? contact.vertex >= 0
+                                                                       : contact.distance < last->distance;
+      if (better) *last = contact;
+    } else {
+      contacts.push_back(contact);
+    }
+  }
+  // Open strokes end on what their ends touch.
+  if (!stroke.closed && !contacts.empty()) {
+    if (contacts.front().arc <= 2 * snap) contacts.front().arc = 0;
+    if (stroke.length - contacts.back().arc <= 2 * snap && contacts.size() > 1)
+      contacts.back().arc = stroke.length;  // exactly, whatever rounding did to the line
+  }
+  if (stroke.closed && contacts.size() > 1) {  // the start may lie on a contact
+    const Contact &first = contacts.front(), &last = contacts.back();
+    if (first.arc + line.length() - last.arc <= 4 * snap &&
+        (same_place(first, last, snap) || (first.position - last.position).norm() <= 2 * snap)) {
+      if (last.distance < first.distance)
+        contacts.erase(contacts.begin());
+      else
+        contacts.pop_back();
+    }
+  }
+  return contacts;
+}
+
+NearestPlace nearest_place(const PolylineMesh& mesh, const Vector3d& point) {
+  NearestPlace best;
+  best.distance = std::numeric_limits<double>::infinity();
+  for (size_t e = 0; e < mesh.edges().size(); ++e) {
+    const SketchEdge& edge = mesh.edges()[e];
+    if (!edge.alive || distance_to(edge.polyline->box(), point) >= best.distance) continue;
+    const Polyline& line = *edge.polyline;
+    for (size_t block = 0; block < line.blocks().size(); ++block) {
+      if (distance_to(line.blocks()[block], point) >= best.distance) continue;
+      const auto begin = static_cast<Index>(block) * Polyline::kBlock;
+      for (Index i = begin; i < std::min(begin + Polyline::kBlock, line.n_points() - 1); ++i) {
+        const ClosestPoint found =
+            closest_point_on_segment(point, line.points().row(i), line.points().row(i + 1));
+        const double distance = std::sqrt(found.squared_distance);
+        if (distance >= best.distance) continue;
+        best = {static_cast<int>(e), line.arc(i) + found.weights(1) * (line.arc(i + 1) - line.arc(i)),
+                found.point, distance};
+      }
+    }
+  }
+  return best;
+}
+
+std::vector<int> contact_vertices(PolylineMesh& mesh, const std::vector<Contact>& contacts) {
+  std::vector<int> vertices(contacts.size(), -1);
+  std::vector<size_t> order(contacts.size());
+  for (size_t k = 0; k < order.size(); ++k) order[k] = k;
+  // From the far end of each edge, so that what is left of it keeps its number and its arc lengths.
+  std::stable_sort(order.begin(), order.end(),
+                   [&](size_t a, size_t b) { return contacts[a].edge_arc > contacts[b].edge_arc; });
+  for (size_t position = 0; position < order.size(); ++position) {
+    const size_t k = order[position];
+    const Contact& contact = contacts[k];
+    if (contact.vertex >= 0) {
+      vertices[k] = contact.vertex;
+      if (mesh.vertex(contact.vertex).is_seam) mesh.set_seam(contact.vertex, false);
+      continue;
+    }
+    // The same place twice (closed strokes that touch, two spines that meet) is one vertex.
+    for (size_t earlier = 0; earlier < position && vertices[k] < 0; ++earlier)
+      if (contacts[order[earlier]].edge == contact.edge &&
+          contacts[order[earlier]].edge_arc == contact.edge_arc)
+        vertices[k] = vertices[order[earlier]];
+    if (vertices[k] < 0) vertices[k] = mesh.split_edge(contact.edge, contact.edge_arc, contact.position);
+  }
+  return vertices;
+}
+
+void dissolve_seams(PolylineMesh& mesh, const std::vector<int>& vertices) {
+  for (const int v : vertices)
+    if (mesh.vertex(v).alive && mesh.vertex(v).is_seam) {
+      const auto& edges = mesh.vertex(v).edges;
+      if (edges.size() == 2 && mesh.edge(edges[0]).curve == mesh.edge(edges[1]).curve)
+        mesh.dissolve_vertex(v);
+    }
+}
+
+double FaceFan::distance(const Vector3d& point) const {
+  double best = std::numeric_limits<double>::infinity();
+  for (Index i = 0; i < outline.rows(); ++i)
+    best = std::min(
+        best, closest_point_on_triangle(point, centre, outline.row(i), outline.row((i + 1) % outline.rows()))
+                  .squared_distance);
+  return std::sqrt(best);
+}
+
+FaceFan face_fan(const PolylineMesh& mesh, const std::vector<int>& walk) {
+  FaceFan fan;
+  constexpr int kPerSide = 8;
+  fan.outline.resize(static_cast<Index>(walk.size()) * kPerSide, 3);
+  Index row = 0;
+  for (const int side : walk) {
+    const Polyline& line = *mesh.edge(edge_of(side)).polyline;
+    for (int k = 0; k < kPerSide; ++k) {
+      const double t = static_cast<double>(k) / kPerSide;
+      fan.outline.row(row++) = line.at(line.length() * (side & 1 ? 1 - t : t)).transpose();
+    }
+  }
+  fan.centre = fan.outline.colwise().mean();
+  for (Index i = 0; i < row; ++i) {
+    const Vector3d a = fan.outline.row(i), b = fan.outline.row((i + 1) % row);
+    fan.area += (a - fan.centre).cross(b - fan.centre).norm() / 2;
+  }
+  return fan;
+}
+
+}  // namespace batten::detail

@@ -1,0 +1,239 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <Eigen/Geometry>
+
+#include "batten/core/text.hpp"
+#include "batten/core/units.hpp"
+#include "batten/sketch/tools_detail.hpp"
+
+namespace batten {
+
+namespace {
+
+using detail::FaceFan;
+using Eigen::Index;
+using Eigen::Vector3d;
+
+/// A stroke within one face: cut out and tied to the corners of the face (H 5.2.2, first case).
+EditReport hole_in_face(PolylineMesh& mesh, const Stroke& stroke, double snap, double sharpness) {
+  int face = -1;
+  double least = std::numeric_limits<double>::infinity();
+  FaceFan fan;
+  const Vector3d centre = stroke.points.colwise().mean();
+  for (size_t f = 0; f < mesh.faces().size(); ++f) {
+    if (!mesh.faces()[f].alive) continue;
+    FaceFan candidate = detail::face_fan(mesh, mesh.faces()[f].sides);
+    double sum = candidate.distance(centre);
+    for (Index k = 0; k < 12; ++k)
+      sum += candidate.distance(stroke.points.row(k * stroke.points.rows() / 12));
+    if (sum / 13 >= least) continue;
+    least = sum / 13;
+    face = static_cast<int>(f);
+    fan = std::move(candidate);
+  }
+  const double allowed = std::max(2 * snap, 0.35 * std::sqrt(fan.area));
+  if (face < 0 || least > allowed)
+    throw RefusedEdit(
+        face < 0 ? std::string("there is no face to cut")
+                 : concat("the stroke lies ", detail::text_of_length(least), " from the nearest face, f",
+                          face, ", whose curves allow ", detail::text_of_length(allowed)),
+        "draw the hole on the surface");
+
+  // Angles around the centre of the hole, in its plane: of the stroke and of the outline of the face.
+  Vector3d normal = Vector3d::Zero();
+  const Index n = stroke.points.rows();
+  for (Index i = 0; i < n; ++i)
+    normal += (stroke.points.row(i).transpose() - centre)
+                  .cross(stroke.points.row((i + 1) % n).transpose() - centre);
+  normal.stableNormalize();
+  const Vector3d x = normal.unitOrthogonal(), y = normal.cross(x);
+  const auto angle_at = [&](const Vector3d& p) {
+    return std::atan2((p - centre).dot(y), (p - centre).dot(x));
+  };
+  const auto turn = [](double from, double to) { return std::remainder(to - from, 2 * kPi); };
+  const std::vector<int> sides = mesh.face(face).sides;
+  const auto n_sides = sides.size();
+  const Index per_side = fan.outline.rows() / static_cast<Index>(n_sides);
+  std::vector<double> corner_angle(n_sides);
+  double total = 0, angle = angle_at(fan.outline.row(0));
+  for (Index i = 0; i < fan.outline.rows(); ++i) {
+    if (i % per_side == 0) corner_angle[static_cast<size_t>(i / per_side)] = angle + total;
+    total += turn(angle_at(fan.outline.row(i)), angle_at(fan.outline.row((i + 1) % fan.outline.rows())));
+  }
+  const double sense = total > 0 ? 1 : -1;
+  bool in_order = std::abs(std::abs(total) - 2 * kPi) < 1e-6;
+  for (size_t k = 0; k < n_sides && in_order; ++k) {
+    const double next = k + 1 < n_sides ? corner_angle[k + 1] : corner_angle[0] + total;
+    in_order = sense * (next - corner_angle[k]) > 1e-3;
+  }
+  if (!in_order)
+    throw RefusedEdit(concat("the corners of f", face,
+                             " cannot all be tied to the hole without crossing: seen from its "
+                             "middle they are not in order"),
+                      concat("divide f", face, " by a curve first, or draw the hole across a curve"));
+
+  // One point of the stroke for each corner: where the ray towards the corner leaves the hole.
+  struct Tie {
+    size_t corner;
+    double arc;
+    Vector3d position;
+    int vertex = -1;
+  };
+  const std::vector<double> arcs = stroke.arcs();
+  std::vector<Tie> ties;
+  for (size_t k = 0; k < n_sides; ++k) {
+    Tie tie{k, 0, stroke.points.row(0)};
+    for (Index i = 0; i < n; ++i) {
+      const Vector3d p = stroke.points.row(i), q = stroke.points.row((i + 1) % n);
+      const double before = turn(corner_angle[k], angle_at(p)), after = turn(corner_angle[k], angle_at(q));
+      if (before > 0 || after <= 0 || after - before > kPi) continue;
+      const double t = before / (before - after);
+      tie.arc = arcs[static_cast<size_t>(i)] +
+                t * (arcs[static_cast<size_t>(i) + 1] - arcs[static_cast<size_t>(i)]);
+      tie.position = (1 - t) * p + t * q;
+    }
+    ties.push_back(tie);
+  }
+  std::vector<Tie> around = ties;
+  std::sort(around.begin(), around.end(), [](const Tie& a, const Tie& b) { return a.arc < b.arc; });
+  for (size_t k = 0; k + 1 < around.size(); ++k)
+    if (around[k + 1].arc - around[k].arc < 1e-6 * stroke.length)
+      throw RefusedEdit(concat("two corners of f", face, " would be tied to one point of the hole"),
+                        "draw the hole as a convex curve");
+  std::vector<HeldPoint> held;
+  std::vector<int> vertices;
+  for (Tie& tie : around) {
+    tie.vertex = mesh.add_vertex(tie.position);
+    ties[tie.corner].vertex = tie.vertex;
+    held.push_back({tie.arc, tie.position});
+    vertices.push_back(tie.vertex);
+  }
+  const detail::DrawnCurve hole = detail::place_stroke(mesh, stroke, held, vertices);
+  // Chains of the hole: from tie k to the next one along the stroke.
+  std::vector<std::vector<int>> chain_from(n_sides);
+  std::vector<int> corner_after(n_sides);
+  for (size_t k = 0; k < around.size(); ++k) {
+    chain_from[around[k].corner] = detail::add_piece(mesh, hole, k, sharpness);
+    corner_after[around[k].corner] = static_cast<int>(around[(k + 1) % around.size()].corner);
+  }
+  EditReport report;
+  report.curves = {hole.curve};
+  std::vector<int> tie_side(n_sides);
+  for (size_t k = 0; k < n_sides; ++k) {
+    const int corner = mesh.start_of(sides[k]);
+    if (mesh.vertex(corner).is_seam) mesh.set_seam(corner, false);
+    Points line(2, 3);
+    line << mesh.vertex(corner).position.transpose(), ties[k].position.transpose();
+    const int curve = mesh.add_curve();
+    tie_side[k] = side_of(
+        mesh.add_edge(corner, ties[k].vertex, std::make_shared<Polyline>(line), curve, 0, false), false);
+    report.curves.push_back(curve);
+  }
+  mesh.remove_face(face);
+  for (size_t k = 0; k < n_sides; ++k) {
+    const size_t next = (k + 1) % n_sides;
+    // The hole between the two ties, walked from that of the next corner to that of this one.
+    const std::vector<int> back = sense > 0 ? detail::reversed_chain(chain_from[k]) : chain_from[next];
+    if (corner_after[sense > 0 ? k : next] != static_cast<int>(sense > 0 ? next : k))
+      throw RefusedEdit(concat("the hole cannot be tied to the corners of f", face, " in their order"),
+                        "draw the hole as a convex curve");
+    std::vector<int> walk{sides[k], tie_side[next]};
+    walk.insert(walk.end(), back.begin(), back.end());
+    walk.push_back(opposite_side(tie_side[k]));
+    mesh.add_face(std::move(walk));
+  }
+  report.euler_change = -1;
+  return report;
+}
+
+/// The faces on one side of a closed curve.
+std::vector<int> region(const PolylineMesh& mesh, int curve, int start) {
+  std::vector<char> seen(mesh.faces().size(), 0);
+  std::vector<int> found{start};
+  seen[static_cast<size_t>(start)] = 1;
+  for (size_t k = 0; k < found.size(); ++k)
+    for (const int side : mesh.face(found[k]).sides) {
+      const int next = mesh.face_of(opposite_side(side));
+      if (next < 0 || mesh.edge(edge_of(side)).curve == curve || seen[static_cast<size_t>(next)]) continue;
+      seen[static_cast<size_t>(next)] = 1;
+      found.push_back(next);
+    }
+  return found;
+}
+
+/// χ of some faces with their outlines.
+int euler_characteristic(const PolylineMesh& mesh, const std::vector<int>& faces) {
+  std::vector<int> edges, vertices;
+  for (const int f : faces)
+    for (const int side : mesh.face(f).sides) {
+      edges.push_back(edge_of(side));
+      vertices.push_back(mesh.start_of(side));
+    }
+  for (std::vector<int>* list : {&edges, &vertices}) {
+    std::sort(list->begin(), list->end());
+    list->erase(std::unique(list->begin(), list->end()), list->end());
+  }
+  return static_cast<int>(vertices.size()) - static_cast<int>(edges.size()) + static_cast<int>(faces.size());
+}
+
+}  // namespace
+
+EditReport cut_hole(PolylineMesh& mesh, const DrawnStroke& drawn, const InsertOptions& options) {
+  const double snap = detail::snap_or_default(mesh, drawn.points, options);
+  DrawnStroke closed = drawn;
+  closed.closed = true;
+  const Stroke stroke = detail::ready_stroke(closed, snap);
+  if (mesh.empty()) throw RefusedEdit("there is no face to cut", "insert a first boundary");
+  const auto contacts = detail::find_contacts(mesh, stroke, snap);
+  if (contacts.empty()) return hole_in_face(mesh, stroke, snap, options.sharpness);
+
+  for (const detail::Contact& contact : contacts) {
+    std::vector<int> edges{contact.edge};
+    if (contact.vertex >= 0) edges = mesh.vertex(contact.vertex).edges;
+    for (const int e : edges)
+      if (mesh.edge(e).faces[0] < 0 || mesh.edge(e).faces[1] < 0)
+        throw RefusedEdit(concat("the hole comes within ", detail::text_of_length(contact.distance),
+                                 " of the border, c", mesh.edge(e).curve),
+                          "keep the hole clear of borders, or use a smaller snapping distance");
+  }
+  InsertOptions inside = options;
+  inside.into = Into::Face;
+  int curve = -1;
+  EditReport report = detail::insert_ready(mesh, stroke, contacts, snap, inside, &curve);
+  const std::vector<int> rim = mesh.edges_of_curve(curve);
+  const SketchEdge& first = mesh.edge(rim.front());
+  std::array<std::vector<int>, 2> parts{region(mesh, curve, first.faces[0]),
+                                        region(mesh, curve, first.faces[1])};
+  if (std::count(parts[0].begin(), parts[0].end(), first.faces[1]) > 0)
+    throw RefusedEdit("the stroke goes around a handle or an opening, so that nothing lies inside it",
+                      "draw the hole around a part of the surface");
+  double areas[2] = {0, 0};
+  for (size_t k = 0; k < 2; ++k)
+    for (const int f : parts[k]) areas[k] += detail::face_fan(mesh, mesh.face(f).sides).area;
+  const std::vector<int>& gone = parts[areas[0] <= areas[1] ? 0 : 1];
+  if (const int chi = euler_characteristic(mesh, gone); chi != 1)
+    throw RefusedEdit("what lies inside the stroke has an opening or a handle of its own",
+                      "draw the hole where the surface is whole");
+  report.euler_change -= 1;
+  std::vector<int> edges;
+  for (const int f : gone) {
+    for (const int side : mesh.face(f).sides) edges.push_back(edge_of(side));
+    mesh.remove_face(f);
+  }
+  std::sort(edges.begin(), edges.end());
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  for (const int e : edges) {
+    if (mesh.edge(e).faces[0] >= 0 || mesh.edge(e).faces[1] >= 0) continue;
+    const auto ends = mesh.edge(e).vertices;
+    mesh.remove_edge(e);
+    for (const int v : ends)
+      if (mesh.vertex(v).edges.empty()) mesh.remove_vertex(v);
+  }
+  if (const std::string problem = mesh.broken_by_edit(); !problem.empty())
+    throw RefusedEdit("the hole would leave the model in pieces: " + problem, "draw it smaller or elsewhere");
+  return report;
+}
+
+}  // namespace batten

@@ -1,0 +1,520 @@
+#include "batten/sketch/polyline_mesh.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include "batten/core/error.hpp"
+#include "batten/core/text.hpp"
+
+namespace batten {
+
+namespace {
+
+size_t index(int i) {
+  return static_cast<size_t>(i);
+}
+
+/// Remembers the value of an element the first time it is touched in an edit.
+template <typename Element>
+Element& touch(std::vector<Element>& elements, std::vector<char>& touched,
+               PolylineMesh::Change::Part<Element>& part, int i) {
+  if (touched.size() < elements.size()) touched.resize(elements.size(), 0);
+  if (!touched[index(i)]) {
+    touched[index(i)] = 1;
+    part.before.emplace_back(i, elements[index(i)]);
+  }
+  return elements[index(i)];
+}
+
+template <typename Element>
+void finish(const std::vector<Element>& elements, std::vector<char>& touched,
+            PolylineMesh::Change::Part<Element>& part) {
+  part.size_after = static_cast<int>(elements.size());
+  for (const auto& [i, value] : part.before) {
+    touched[index(i)] = 0;
+    part.after.emplace_back(i, elements[index(i)]);
+  }
+}
+
+template <typename Element>
+void restore(std::vector<Element>& elements, const std::vector<std::pair<int, Element>>& values, int size) {
+  elements.resize(index(size));
+  for (const auto& [i, value] : values)
+    if (i < size) elements[index(i)] = value;
+}
+
+template <typename Element>
+void unmark(std::vector<char>& touched, const PolylineMesh::Change::Part<Element>& part) {
+  for (const auto& [i, value] : part.before) touched[index(i)] = 0;
+}
+
+void erase_one(std::vector<int>& values, int value) {
+  values.erase(std::find(values.begin(), values.end(), value));
+}
+
+int count_alive(const auto& elements) {
+  return static_cast<int>(
+      std::count_if(elements.begin(), elements.end(), [](const auto& e) { return e.alive; }));
+}
+
+}  // namespace
+
+bool SketchEdge::operator==(const SketchEdge& other) const {
+  if (alive != other.alive) return false;
+  if (!alive) return true;
+  return vertices == other.vertices && faces == other.faces && curve == other.curve &&
+         sharpness == other.sharpness && drawn == other.drawn &&
+         (polyline == other.polyline || polyline->points() == other.polyline->points());
+}
+
+bool PolylineMesh::operator==(const PolylineMesh& other) const {
+  return n_curves_ == other.n_curves_ && vertices_ == other.vertices_ && edges_ == other.edges_ &&
+         faces_ == other.faces_;
+}
+
+bool PolylineMesh::empty() const {
+  return std::none_of(edges_.begin(), edges_.end(), [](const SketchEdge& e) { return e.alive; });
+}
+
+Eigen::Vector3d PolylineMesh::direction_of(int side) const {
+  const Polyline& polyline = *edge(edge_of(side)).polyline;
+  return side & 1 ? polyline.direction_at_back() : polyline.direction_at_front();
+}
+
+std::vector<int> PolylineMesh::opening(int side) const {
+  std::vector<int> sides;
+  int current = side;
+  do {
+    sides.push_back(current);
+    int next = -1;
+    for (const int e : vertex(end_of(current)).edges)
+      for (const int s : {side_of(e, false), side_of(e, true)})
+        if (start_of(s) == end_of(current) && face_of(s) < 0 && face_of(opposite_side(s)) >= 0) next = s;
+    if (next < 0 || sides.size() > edges_.size()) break;
+    current = next;
+  } while (current != side);
+  return sides;
+}
+
+std::vector<int> PolylineMesh::edges_of_curve(int curve) const {
+  std::vector<int> found;
+  for (size_t e = 0; e < edges_.size(); ++e)
+    if (edges_[e].alive && edges_[e].curve == curve) found.push_back(static_cast<int>(e));
+  return found;
+}
+
+SketchCounts PolylineMesh::counts() const {
+  SketchCounts counts;
+  counts.vertices = count_alive(vertices_);
+  counts.edges = count_alive(edges_);
+  counts.faces = count_alive(faces_);
+  std::vector<char> curve_seen(index(n_curves_), 0), side_seen(2 * edges_.size(), 0);
+  std::vector<int> parent(vertices_.size());
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto root = [&](int v) {
+    while (parent[index(v)] != v) v = parent[index(v)] = parent[index(parent[index(v)])];
+    return v;
+  };
+  for (size_t e = 0; e < edges_.size(); ++e) {
+    const SketchEdge& edge = edges_[e];
+    if (!edge.alive) continue;
+    if (!curve_seen[index(edge.curve)]) ++counts.curves;
+    curve_seen[index(edge.curve)] = 1;
+    parent[index(root(edge.vertices[0]))] = root(edge.vertices[1]);
+    for (const bool backwards : {false, true}) {
+      const int side = side_of(static_cast<int>(e), backwards);
+      if (face_of(side) >= 0 || side_seen[index(side)]) continue;
+      ++counts.boundary_loops;
+      for (const int s : opening(side)) side_seen[index(s)] = 1;
+    }
+  }
+  for (size_t v = 0; v < vertices_.size(); ++v)
+    if (vertices_[v].alive && root(static_cast<int>(v)) == static_cast<int>(v)) ++counts.components;
+  counts.genus = (2 * counts.components - counts.boundary_loops - counts.euler_characteristic()) / 2;
+  return counts;
+}
+
+double PolylineMesh::diameter() const {
+  bool any = false;
+  Box all{};
+  for (const SketchEdge& edge : edges_) {
+    if (!edge.alive) continue;
+    if (!any) all = edge.polyline->box();
+    all.include(edge.polyline->box());
+    any = true;
+  }
+  return any ? (all.high - all.low).norm() : 0;
+}
+
+std::string PolylineMesh::problem_of_edge(int number) const {
+  const auto i = index(number);
+  const SketchEdge& edge = edges_[i];
+  if (!edge.alive) return {};
+  const std::string name = concat("e", i);
+  const auto [a, b] = edge.vertices;
+  for (const int v : {a, b}) {
+    if (v < 0 || index(v) >= vertices_.size() || !vertex(v).alive)
+      return concat(name, " ends at v", v, ", which does not exist");
+    const auto& around = vertex(v).edges;
+    if (std::count(around.begin(), around.end(), static_cast<int>(i)) != 1)
+      return concat("v", v, " does not list ", name);
+  }
+  if (a == b) return concat(name, " begins and ends at v", a);
+  if (!edge.polyline || edge.polyline->n_points() < 2) return concat(name, " has no polyline");
+  if (!edge.polyline->points().allFinite()) return concat(name, " has a point that is not finite");
+  if (edge.polyline->front() != vertex(a).position || edge.polyline->back() != vertex(b).position)
+    return concat("the polyline of ", name, " does not run from v", a, " to v", b);
+  if (edge.curve < 0 || edge.curve >= n_curves_) return concat(name, " belongs to no curve");
+  if (edge.faces[0] < 0 && edge.faces[1] < 0) return concat(name, " has no face");
+  if (edge.faces[0] >= 0 && edge.faces[0] == edge.faces[1])
+    return concat(name, " has f", edge.faces[0], " on both sides");
+  for (const bool backwards : {false, true}) {
+    const int f = edge.faces[backwards ? 1 : 0];
+    if (f < 0) continue;
+    if (index(f) >= faces_.size() || !face(f).alive)
+      return concat(name, " names f", f, ", which does not exist");
+    const auto& sides = face(f).sides;
+    if (std::count(sides.begin(), sides.end(), side_of(static_cast<int>(i), backwards)) != 1)
+      return concat("f", f, " does not walk along ", name);
+  }
+  return {};
+}
+
+std::string PolylineMesh::problem_of_face(int number) const {
+  const auto i = index(number);
+  const SketchFace& face = faces_[i];
+  if (!face.alive) return {};
+  if (face.sides.size() < 2) return concat("f", i, " has fewer than two sides");
+  std::vector<int> corners;
+  for (size_t k = 0; k < face.sides.size(); ++k) {
+    const int side = face.sides[k], next = face.sides[(k + 1) % face.sides.size()];
+    if (side < 0 || index(edge_of(side)) >= edges_.size() || !edge(edge_of(side)).alive)
+      return concat("f", i, " walks along an edge that does not exist");
+    if (face_of(side) != static_cast<int>(i)) return concat("e", edge_of(side), " does not name f", i);
+    if (end_of(side) != start_of(next)) return concat("f", i, " is not closed at v", end_of(side));
+    corners.push_back(start_of(side));
+  }
+  std::sort(corners.begin(), corners.end());
+  if (const auto twice = std::adjacent_find(corners.begin(), corners.end()); twice != corners.end())
+    return concat("f", i, " visits v", *twice, " twice");
+  return {};
+}
+
+std::string PolylineMesh::problem_of_vertex(int number) const {
+  const auto i = index(number);
+  const SketchVertex& vertex = vertices_[i];
+  if (!vertex.alive) return {};
+  if (vertex.edges.size() < 2) return concat("v", i, " has fewer than two edges");
+  for (const int e : vertex.edges)
+    if (e < 0 || index(e) >= edges_.size() || !edge(e).alive ||
+        (edge(e).vertices[0] != static_cast<int>(i) && edge(e).vertices[1] != static_cast<int>(i)))
+      return concat("v", i, " lists e", e, ", which does not end there");
+  // Faces around the vertex form one fan: turn around it from a border, or from anywhere, and count edges.
+  const auto leaving = [&](int e) { return side_of(e, edge(e).vertices[0] != static_cast<int>(i)); };
+  int start = leaving(vertex.edges.front());
+  for (const int e : vertex.edges)
+    if (face_of(opposite_side(leaving(e))) < 0) start = leaving(e);  // nothing lies before it
+  size_t turned = 0;
+  int side = start;
+  do {
+    ++turned;
+    const int f = face_of(side);
+    if (f < 0) break;
+    const auto& sides = face(f).sides;
+    const auto at = std::find(sides.begin(), sides.end(), side) - sides.begin();
+    side = opposite_side(sides[(static_cast<size_t>(at) + sides.size() - 1) % sides.size()]);
+  } while (side != start && turned <= vertex.edges.size());
+  if (turned != vertex.edges.size()) return concat("the faces around v", i, " do not form one fan");
+  return {};
+}
+
+std::string PolylineMesh::broken_invariant() const {
+  std::string problem;
+  for (int e = 0; e < static_cast<int>(edges_.size()) && problem.empty(); ++e) problem = problem_of_edge(e);
+  for (int f = 0; f < static_cast<int>(faces_.size()) && problem.empty(); ++f) problem = problem_of_face(f);
+  for (int v = 0; v < static_cast<int>(vertices_.size()) && problem.empty(); ++v)
+    problem = problem_of_vertex(v);
+  return problem;
+}
+
+std::string PolylineMesh::broken_by_edit() const {
+  std::string problem;
+  std::vector<int> vertices;
+  for (const auto& [v, before] : change_.vertices.before) vertices.push_back(v);
+  for (const auto& [e, before] : change_.edges.before) {
+    if (problem.empty()) problem = problem_of_edge(e);
+    if (edge(e).alive) vertices.insert(vertices.end(), edge(e).vertices.begin(), edge(e).vertices.end());
+  }
+  for (const auto& [f, before] : change_.faces.before)
+    if (problem.empty()) problem = problem_of_face(f);
+  for (const int v : vertices)
+    if (problem.empty()) problem = problem_of_vertex(v);
+  return problem;
+}
+
+void PolylineMesh::begin() {
+  change_ = {};
+  change_.vertices.size_before = static_cast<int>(vertices_.size());
+  change_.edges.size_before = static_cast<int>(edges_.size());
+  change_.faces.size_before = static_cast<int>(faces_.size());
+  change_.n_curves_before = n_curves_;
+  editing_ = true;
+}
+
+PolylineMesh::Change PolylineMesh::commit() {
+  finish(vertices_, touched_vertices_, change_.vertices);
+  finish(edges_, touched_edges_, change_.edges);
+  finish(faces_, touched_faces_, change_.faces);
+  change_.n_curves_after = n_curves_;
+  editing_ = false;
+  return std::move(change_);
+}
+
+void PolylineMesh::roll_back() {
+  undo(change_);
+  unmark(touched_vertices_, change_.vertices);
+  unmark(touched_edges_, change_.edges);
+  unmark(touched_faces_, change_.faces);
+  change_ = {};
+  editing_ = false;
+}
+
+void PolylineMesh::undo(const Change& change) {
+  restore(vertices_, change.vertices.before, change.vertices.size_before);
+  restore(edges_, change.edges.before, change.edges.size_before);
+  restore(faces_, change.faces.before, change.faces.size_before);
+  n_curves_ = change.n_curves_before;
+}
+
+void PolylineMesh::redo(const Change& change) {
+  restore(vertices_, change.vertices.after, change.vertices.size_after);
+  restore(edges_, change.edges.after, change.edges.size_after);
+  restore(faces_, change.faces.after, change.faces.size_after);
+  n_curves_ = change.n_curves_after;
+}
+
+SketchVertex& PolylineMesh::touch_vertex(int v) {
+  return touch(vertices_, touched_vertices_, change_.vertices, v);
+}
+SketchEdge& PolylineMesh::touch_edge(int e) {
+  return touch(edges_, touched_edges_, change_.edges, e);
+}
+SketchFace& PolylineMesh::touch_face(int f) {
+  return touch(faces_, touched_faces_, change_.faces, f);
+}
+
+int PolylineMesh::add_curve() {
+  return n_curves_++;
+}
+
+int PolylineMesh::add_vertex(const Eigen::Vector3d& position, bool is_seam) {
+  const int v = static_cast<int>(vertices_.size());
+  vertices_.emplace_back();
+  SketchVertex& vertex = touch_vertex(v);
+  vertex.position = position;
+  vertex.is_seam = is_seam;
+  vertex.alive = true;
+  return v;
+}
+
+int PolylineMesh::add_edge(int from, int to, SharedPolyline polyline, int curve, double sharpness,
+                           bool drawn) {
+  const int e = static_cast<int>(edges_.size());
+  edges_.emplace_back();
+  SketchEdge& edge = touch_edge(e);
+  edge.vertices = {from, to};
+  edge.polyline = std::move(polyline);
+  edge.curve = curve;
+  edge.sharpness = sharpness;
+  edge.drawn = drawn;
+  edge.alive = true;
+  touch_vertex(from).edges.push_back(e);
+  touch_vertex(to).edges.push_back(e);
+  return e;
+}
+
+int PolylineMesh::add_face(std::vector<int> sides) {
+  const int f = static_cast<int>(faces_.size());
+  faces_.emplace_back();
+  SketchFace& face = touch_face(f);
+  for (const int side : sides) touch_edge(edge_of(side)).faces[index(side & 1)] = f;
+  face.sides = std::move(sides);
+  face.alive = true;
+  return f;
+}
+
+void PolylineMesh::remove_face(int f) {
+  SketchFace& face = touch_face(f);
+  for (const int side : face.sides) touch_edge(edge_of(side)).faces[index(side & 1)] = -1;
+  face = {};
+}
+
+void PolylineMesh::remove_edge(int e) {
+  SketchEdge& edge = touch_edge(e);
+  for (const int v : edge.vertices) erase_one(touch_vertex(v).edges, e);
+  edge = {};
+}
+
+void PolylineMesh::remove_vertex(int v) {
+  touch_vertex(v) = {};
+}
+
+int PolylineMesh::split_edge(int e, double arc_length, const Eigen::Vector3d& at) {
+  const int middle = add_vertex(at);
+  const int end = edge(e).vertices[1];
+  auto [first, second] = cut(*edge(e).polyline, arc_length, at);
+  const SketchEdge old = edge(e);
+  const int rest = add_edge(middle, end, std::move(second), old.curve, old.sharpness, old.drawn);
+  touch_edge(rest).faces = old.faces;
+  SketchEdge& kept = touch_edge(e);
+  kept.polyline = std::move(first);
+  kept.vertices[1] = middle;
+  erase_one(touch_vertex(end).edges, e);
+  touch_vertex(middle).edges.push_back(e);
+  for (const bool backwards : {false, true}) {
+    const int f = old.faces[backwards ? 1 : 0];
+    if (f < 0) continue;
+    auto& sides = touch_face(f).sides;
+    const auto found = std::find(sides.begin(), sides.end(), side_of(e, backwards));
+    sides.insert(backwards ? found : found + 1, side_of(rest, backwards));
+  }
+  return middle;
+}
+
+bool PolylineMesh::dissolve_vertex(int v) {
+  if (vertex(v).edges.size() != 2) return false;
+  const int kept = std::min(vertex(v).edges[0], vertex(v).edges[1]);
+  const int gone = std::max(vertex(v).edges[0], vertex(v).edges[1]);
+  const bool leaves_kept = edge(kept).vertices[0] == v, leaves_gone = edge(gone).vertices[0] == v;
+  const int near_end = edge(kept).vertices[leaves_kept ? 1 : 0];
+  const int far_end = edge(gone).vertices[leaves_gone ? 1 : 0];
+  if (near_end == far_end) return false;
+  // The polyline of the edge that goes, in the sense of the one that stays.
+  const bool same_sense = leaves_kept != leaves_gone;
+  const SharedPolyline other = same_sense ? edge(gone).polyline : reversed(*edge(gone).polyline);
+  SharedPolyline whole =
+      leaves_kept ? joined(*other, *edge(kept).polyline) : joined(*edge(kept).polyline, *other);
+  for (const int f : edge(gone).faces) {
+    if (f < 0) continue;
+    auto& sides = touch_face(f).sides;
+    sides.erase(std::find_if(sides.begin(), sides.end(), [&](int s) { return edge_of(s) == gone; }));
+  }
+  touch_edge(gone).faces = {-1, -1};
+  remove_edge(gone);
+  SketchEdge& edge = touch_edge(kept);
+  edge.polyline = std::move(whole);
+  edge.vertices[leaves_kept ? 0 : 1] = far_end;
+  touch_vertex(far_end).edges.push_back(kept);
+  touch_vertex(v) = {};
+  return true;
+}
+
+namespace {
+
+/// The two walks into which a chain from corner to corner divides a closed walk.
+std::pair<std::vector<int>, std::vector<int>> divided(const PolylineMesh& mesh, const std::vector<int>& walk,
+                                                      const std::vector<int>& chain) {
+  const int from = mesh.start_of(chain.front()), to = mesh.end_of(chain.back());
+  const auto corner = [&](int v) {
+    return static_cast<size_t>(
+        std::find_if(walk.begin(), walk.end(), [&](int s) { return mesh.start_of(s) == v; }) - walk.begin());
+  };
+  const size_t at_from = corner(from), at_to = corner(to), n = walk.size();
+  std::vector<int> first, second;
+  for (size_t k = at_from; k % n != at_to; ++k) first.push_back(walk[k % n]);
+  for (size_t k = at_to; k % n != at_from; ++k) second.push_back(walk[k % n]);
+  for (auto side = chain.rbegin(); side != chain.rend(); ++side) first.push_back(opposite_side(*side));
+  second.insert(second.end(), chain.begin(), chain.end());
+  return {first, second};
+}
+
+}  // namespace
+
+int PolylineMesh::split_face(int f, const std::vector<int>& chain) {
+  auto [first, second] = divided(*this, face(f).sides, chain);
+  for (const int side : first) touch_edge(edge_of(side)).faces[index(side & 1)] = f;
+  touch_face(f).sides = std::move(first);
+  return add_face(std::move(second));
+}
+
+void PolylineMesh::close_opening(int side, const std::vector<int>& chain) {
+  auto [first, second] = divided(*this, opening(side), chain);
+  add_face(std::move(first));
+  add_face(std::move(second));
+}
+
+void PolylineMesh::set_sharpness(int e, double sharpness) {
+  touch_edge(e).sharpness = sharpness;
+}
+
+void PolylineMesh::set_seam(int v, bool is_seam) {
+  touch_vertex(v).is_seam = is_seam;
+}
+
+void PolylineMesh::move_everything(const Eigen::Matrix4d& matrix) {
+  // The same expression for vertices and for points of polylines, so that ends stay on vertices bit for bit.
+  const auto moved = [&](const Eigen::Vector3d& p) -> Eigen::Vector3d {
+    Eigen::Vector3d q;
+    for (int i = 0; i < 3; ++i)
+      q(i) = matrix(i, 0) * p.x() + matrix(i, 1) * p.y() + matrix(i, 2) * p.z() + matrix(i, 3);
+    return q;
+  };
+  for (size_t v = 0; v < vertices_.size(); ++v) {
+    if (!vertices_[v].alive) continue;
+    SketchVertex& vertex = touch_vertex(static_cast<int>(v));
+    vertex.position = moved(vertex.position);
+  }
+  for (size_t e = 0; e < edges_.size(); ++e) {
+    if (!edges_[e].alive) continue;
+    SketchEdge& edge = touch_edge(static_cast<int>(e));
+    Points points(edge.polyline->n_points(), 3);
+    for (Eigen::Index i = 0; i < points.rows(); ++i)
+      points.row(i) = moved(edge.polyline->points().row(i)).transpose();
+    // Compilers may contract products and sums differently in the two loops; the ends follow the vertices.
+    points.row(0) = vertex(edge.vertices[0]).position.transpose();
+    points.row(points.rows() - 1) = vertex(edge.vertices[1]).position.transpose();
+    edge.polyline = std::make_shared<Polyline>(std::move(points));
+  }
+}
+
+void PolylineMesh::flip_component(int f) {
+  std::vector<int> stack{f};
+  std::vector<char> seen(faces_.size(), 0);
+  seen[index(f)] = 1;
+  std::vector<int> faces, edges;
+  while (!stack.empty()) {
+    const int current = stack.back();
+    stack.pop_back();
+    faces.push_back(current);
+    for (const int side : face(current).sides) {
+      edges.push_back(edge_of(side));
+      const int next = face_of(opposite_side(side));
+      if (next >= 0 && !seen[index(next)]) {
+        seen[index(next)] = 1;
+        stack.push_back(next);
+      }
+    }
+  }
+  std::sort(edges.begin(), edges.end());
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  for (const int e : edges) std::swap(touch_edge(e).faces[0], touch_edge(e).faces[1]);
+  for (const int current : faces) {
+    auto& sides = touch_face(current).sides;
+    std::reverse(sides.begin(), sides.end());
+    for (int& side : sides) side = opposite_side(side);
+  }
+}
+
+PolylineMesh PolylineMeshReader::assemble(std::vector<SketchVertex> vertices, std::vector<SketchEdge> edges,
+                                          std::vector<SketchFace> faces, int n_curves) {
+  PolylineMesh mesh;
+  mesh.vertices_ = std::move(vertices);
+  mesh.edges_ = std::move(edges);
+  mesh.faces_ = std::move(faces);
+  mesh.n_curves_ = n_curves;
+  if (const std::string problem = mesh.broken_invariant(); !problem.empty())
+    throw InvalidInput("the stored model is damaged: " + problem);
+  return mesh;
+}
+
+}  // namespace batten

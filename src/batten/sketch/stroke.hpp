@@ -1,0 +1,90 @@
+#pragma once
+#include <vector>
+
+#include "batten/core/arrays.hpp"
+#include "batten/core/error.hpp"
+
+namespace batten {
+
+/// An edit that cannot be done. The model is as it was; what() is "reason; remedy".
+class RefusedEdit : public InvalidInput {
+ public:
+  RefusedEdit(const std::string& reason, const std::string& remedy);
+  const std::string& reason() const { return reason_; }  ///< names the curve and the distance
+  const std::string& remedy() const { return remedy_; }  ///< what to do instead
+
+ private:
+  std::string reason_, remedy_;
+};
+
+/// A stroke made ready: repeats dropped, thinned, smoothed, corners found.
+struct Stroke {
+  /// n × 3, n at least 2, in the unit of the model. A closed stroke does not repeat its first point.
+  Points points;
+  bool closed = false;
+  std::vector<int>
+      corners;       ///< rows where the direction jumps, increasing; ends of open strokes not among them
+  double noise = 0;  ///< standard deviation of the hand or device per coordinate, estimated
+  double length = 0;
+
+  /// Arc length at each point and, last, the whole length (n + 1 values when closed, n when open).
+  std::vector<double> arcs() const;
+};
+
+/// How a stroke is made ready.
+struct StrokeOptions {
+  /// The stroke is closed. Off: it is closed where its ends lie within `snap` of each other and it runs
+  /// further than six times that.
+  bool closed = false;
+  /// Snapping distance, in the unit of the model, positive.
+  double snap = 0;
+  /// Turns sharper than this within 2 % of the length are corners, in radians. A circle given by seven or
+  /// more points has none.
+  double corner_angle = 0.92;
+};
+
+/// Reads a stroke as a pen or a mouse gives it: any number of points (thinned to 1,000), unevenly spaced,
+/// noisy. The noise is estimated from third differences, and only where there is some the stroke is smoothed
+/// by a Gaussian of so many samples as it takes; exact strokes are left as they are.
+/// @throws RefusedEdit when a point is not finite, there is but one place, or a closed stroke has fewer than
+/// three.
+Stroke prepare_stroke(const Points& points, const StrokeOptions& options);
+
+/// A place of a stroke that must lie at a given point.
+struct HeldPoint {
+  double arc = 0;  ///< arc length along the stroke, 0 … length
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+};
+
+/// The finished curve of a stroke, in pieces from held point to held point (and corner to corner).
+struct FittedStroke {
+  struct Piece {
+    Points points;  ///< 17 or more, first and last included
+    /// Index into `held` of the ends, or ~k for corner k of the stroke.
+    int from = 0, to = 0;
+  };
+  /// In order. An open stroke begins and ends at held points; a closed one comes round to its beginning.
+  std::vector<Piece> pieces;
+  /// Places of the corners after fitting, one per corner of the stroke; corners beside a held point have
+  /// become that point and are not used.
+  Points corner_positions;
+};
+
+/// Weighted constrained least-squares cubic B-splines from corner to corner (H 5.2.1): weights are the share
+/// of the length that a sample stands for, the held points are kept exactly, and the number of spans doubles
+/// until the rest is no more than the noise. Sampled finely enough that chords stay within 1e-5 of the
+/// length.
+/// @param held increasing in arc. Open strokes: the first at 0 and the last at the length. Closed strokes
+/// without corners: at least one.
+FittedStroke fit_stroke(const Stroke& stroke, const std::vector<HeldPoint>& held);
+
+/// Where a stroke meets itself: the first pair of places within `distance` whose way along the stroke is more
+/// than eight times that.
+struct SelfContact {
+  bool found = false;
+  Eigen::Vector3d place = Eigen::Vector3d::Zero();
+  double distance = 0;
+};
+SelfContact self_contact(const Stroke& stroke, double distance);
+
+}  // namespace batten

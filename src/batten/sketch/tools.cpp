@@ -1,0 +1,226 @@
+#include "batten/sketch/tools.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+#include "batten/core/text.hpp"
+#include "batten/sketch/tools_detail.hpp"
+
+namespace batten {
+
+using detail::require_curve;
+
+double default_snap(const PolylineMesh& mesh, const Points& stroke) {
+  Box all{};
+  bool any = false;
+  for (const SketchEdge& edge : mesh.edges()) {
+    if (!edge.alive) continue;
+    if (!any) all = edge.polyline->box();
+    all.include(edge.polyline->box());
+    any = true;
+  }
+  if (stroke.rows() > 0 && stroke.allFinite()) {
+    const Box own{stroke.colwise().minCoeff(), stroke.colwise().maxCoeff()};
+    if (!any) all = own;
+    all.include(own);
+    any = true;
+  }
+  return any ? 0.015 * (all.high - all.low).norm() : 0;
+}
+
+namespace {
+
+/// The edges of a curve on the way from one of its vertices to another, the fewest there are.
+std::vector<int> edges_between(const PolylineMesh& mesh, int curve, int from, int to) {
+  std::map<int, int> arrived_by{{from, -1}};  // vertex → edge
+  std::vector<int> queue{from};
+  for (size_t k = 0; k < queue.size() && arrived_by.count(to) == 0; ++k)
+    for (const int e : mesh.vertex(queue[k]).edges) {
+      if (mesh.edge(e).curve != curve) continue;
+      const auto& ends = mesh.edge(e).vertices;
+      const int next = ends[0] == queue[k] ? ends[1] : ends[0];
+      if (arrived_by.emplace(next, e).second) queue.push_back(next);
+    }
+  std::vector<int> way;
+  if (arrived_by.count(to) == 0) return way;
+  for (int at = to; at != from;) {
+    const int e = arrived_by.at(at);
+    way.push_back(e);
+    at = mesh.edge(e).vertices[mesh.edge(e).vertices[0] == at ? 1 : 0];
+  }
+  return way;
+}
+
+}  // namespace
+
+EditReport set_curve_sharpness(PolylineMesh& mesh, int curve, double sharpness,
+                               const std::optional<std::array<int, 2>>& between) {
+  require_curve(mesh, curve);
+  if (!(sharpness >= 0 && sharpness <= 1))
+    throw RefusedEdit(concat("the sharpness of c", curve, " would be ", sharpness),
+                      "give a value from 0 (smooth) to 1 (sharp)");
+  std::vector<int> edges = mesh.edges_of_curve(curve);
+  if (between) {
+    for (const int v : *between)
+      if (v < 0 || static_cast<size_t>(v) >= mesh.vertices().size() || !mesh.vertex(v).alive)
+        throw RefusedEdit(concat("there is no vertex v", v), "name two vertices of the curve");
+    edges = edges_between(mesh, curve, (*between)[0], (*between)[1]);
+    if (edges.empty())
+      throw RefusedEdit(concat("c", curve, " does not lead from v", (*between)[0], " to v", (*between)[1]),
+                        "name two different vertices of the curve");
+  }
+  for (const int e : edges) mesh.set_sharpness(e, sharpness);
+  return {};
+}
+
+EditReport transform_model(PolylineMesh& mesh, const Eigen::Matrix4d& matrix) {
+  if (!matrix.allFinite())
+    throw RefusedEdit("the matrix has a number that is not finite", "give 16 finite numbers");
+  if (matrix(3, 0) != 0 || matrix(3, 1) != 0 || matrix(3, 2) != 0 || matrix(3, 3) != 1)
+    throw RefusedEdit("the last row of the matrix is not 0 0 0 1", "give an affine matrix, row by row");
+  const Eigen::Matrix3d linear = matrix.topLeftCorner<3, 3>();
+  const double scale = linear.cwiseAbs().maxCoeff();
+  if (!(std::abs(linear.determinant()) > 1e-12 * scale * scale * scale))
+    throw RefusedEdit("the matrix flattens the model", "give a matrix with a determinant other than 0");
+  if (mesh.empty()) throw RefusedEdit("there is nothing to move", "insert a first boundary");
+  mesh.move_everything(matrix);
+  if (linear.determinant() < 0) {
+    std::vector<char> turned(mesh.faces().size(), 0);
+    for (size_t f = 0; f < mesh.faces().size(); ++f) {
+      if (!mesh.faces()[f].alive || turned[f]) continue;
+      std::vector<int> stack{static_cast<int>(f)};
+      turned[f] = 1;
+      while (!stack.empty()) {
+        const int current = stack.back();
+        stack.pop_back();
+        for (const int side : mesh.face(current).sides) {
+          const int next = mesh.face_of(opposite_side(side));
+          if (next >= 0 && !turned[static_cast<size_t>(next)]) {
+            turned[static_cast<size_t>(next)] = 1;
+            stack.push_back(next);
+          }
+        }
+      }
+      mesh.flip_component(static_cast<int>(f));
+    }
+  }
+  return {};
+}
+
+namespace detail {
+
+double snap_or_default(const PolylineMesh& mesh, const Points& stroke, const InsertOptions& options) {
+  if (!std::isfinite(options.snap) || options.snap < 0)
+    throw RefusedEdit(concat("the snapping distance is ", options.snap), "give a positive length");
+  if (!(options.sharpness >= 0 && options.sharpness <= 1))
+    throw RefusedEdit(concat("the sharpness is ", options.sharpness),
+                      "give a value from 0 (smooth) to 1 (sharp)");
+  return options.snap > 0 ? options.snap : default_snap(mesh, stroke);
+}
+
+Stroke ready_stroke(const DrawnStroke& drawn, double snap) {
+  StrokeOptions options;
+  options.closed = drawn.closed;
+  options.snap = snap;
+  Stroke stroke = prepare_stroke(drawn.points, options);
+  const SelfContact self = self_contact(stroke, 0.25 * snap);
+  if (self.found)
+    throw RefusedEdit(concat("the stroke meets itself near (", text_of_length(self.place.x()), ", ",
+                             text_of_length(self.place.y()), ", ", text_of_length(self.place.z()),
+                             ") at a distance of ", text_of_length(self.distance)),
+                      "draw it as several strokes that do not cross themselves");
+  return stroke;
+}
+
+void require_curve(const PolylineMesh& mesh, int curve) {
+  if (curve >= 0 && curve < mesh.n_curves() && !mesh.edges_of_curve(curve).empty()) return;
+  if (curve >= 0 && curve < mesh.n_curves())
+    throw RefusedEdit(concat("c", curve, " was deleted"), "name a curve that exists, or undo its deletion");
+  throw RefusedEdit(concat("there is no curve c", curve),
+                    mesh.n_curves() == 0 ? std::string("insert a curve first")
+                                         : concat("the curves are c0 to c", mesh.n_curves() - 1));
+}
+
+Stroke reversed_stroke(const Stroke& stroke) {
+  Stroke result = stroke;
+  result.points = stroke.points.colwise().reverse();
+  for (int& corner : result.corners) corner = static_cast<int>(stroke.points.rows()) - 1 - corner;
+  std::reverse(result.corners.begin(), result.corners.end());
+  return result;
+}
+
+Stroke part_of(const Stroke& stroke, double from, double to) {
+  const std::vector<double> arcs = stroke.arcs();
+  const Polyline line(stroke.points);
+  Stroke part = stroke;
+  std::vector<Eigen::Index> rows;
+  const double tiny = 1e-9 * stroke.length;
+  part.corners.clear();
+  for (Eigen::Index i = 0; i < stroke.points.rows(); ++i) {
+    const double arc = arcs[static_cast<size_t>(i)];
+    if (arc <= from + tiny || arc >= to - tiny) continue;
+    rows.push_back(i);
+    if (std::count(stroke.corners.begin(), stroke.corners.end(), static_cast<int>(i)) > 0)
+      part.corners.push_back(static_cast<int>(rows.size()));
+  }
+  part.points.resize(static_cast<Eigen::Index>(rows.size()) + 2, 3);
+  part.points.row(0) = line.at(from).transpose();
+  for (size_t k = 0; k < rows.size(); ++k)
+    part.points.row(static_cast<Eigen::Index>(k) + 1) = stroke.points.row(rows[k]);
+  part.points.row(part.points.rows() - 1) = line.at(to).transpose();
+  part.length = part.arcs().back();
+  return part;
+}
+
+std::vector<int> reversed_chain(const std::vector<int>& chain) {
+  std::vector<int> result(chain.rbegin(), chain.rend());
+  for (int& side : result) side = opposite_side(side);
+  return result;
+}
+
+Eigen::Vector3d half_direction(const PolylineMesh& mesh, const std::vector<int>& chain) {
+  double length = 0;
+  for (const int side : chain) length += mesh.edge(edge_of(side)).polyline->length();
+  double left = length / 2;
+  Eigen::Vector3d middle = mesh.vertex(mesh.start_of(chain.front())).position;
+  for (const int side : chain) {
+    const Polyline& line = *mesh.edge(edge_of(side)).polyline;
+    if (left <= line.length()) {
+      middle = line.at(side & 1 ? line.length() - left : left);
+      break;
+    }
+    left -= line.length();
+  }
+  const Eigen::Vector3d ends =
+      (mesh.vertex(mesh.start_of(chain.front())).position + mesh.vertex(mesh.end_of(chain.back())).position) /
+      2;
+  return (ends - middle).stableNormalized();
+}
+
+bool first_faces_first(const PolylineMesh& mesh, const std::array<std::vector<int>, 2>& a,
+                       const std::array<std::vector<int>, 2>& b) {
+  double best[2] = {-2, -2};
+  for (size_t i = 0; i < 2; ++i)
+    for (size_t j = 0; j < 2; ++j)
+      best[i == j ? 0 : 1] =
+          std::max(best[i == j ? 0 : 1], half_direction(mesh, a[i]).dot(half_direction(mesh, b[j])));
+  return best[0] >= best[1];
+}
+
+std::vector<int> seams_near(const PolylineMesh& mesh, const std::vector<int>& vertices) {
+  std::vector<int> seams;
+  for (const int v : vertices)
+    for (const int e : mesh.vertex(v).edges)
+      for (const int end : mesh.edge(e).vertices)
+        if (mesh.vertex(end).is_seam && std::find(seams.begin(), seams.end(), end) == seams.end())
+          seams.push_back(end);
+  return seams;
+}
+
+}  // namespace detail
+
+}  // namespace batten

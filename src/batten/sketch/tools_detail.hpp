@@ -1,0 +1,56 @@
+#pragma once
+#include <vector>
+
+#include "batten/sketch/contacts_detail.hpp"
+#include "batten/sketch/tools.hpp"
+
+// Private to the room: what several tools share.
+namespace batten::detail {
+
+double snap_or_default(const PolylineMesh& mesh, const Points& stroke, const InsertOptions& options);
+/// prepare_stroke(), and refuses strokes that cross themselves.
+Stroke ready_stroke(const DrawnStroke& drawn, double snap);
+/// @throws RefusedEdit unless the curve exists.
+void require_curve(const PolylineMesh& mesh, int curve);
+
+/// A closed stroke that meets nothing, as edges of a new curve: vertices at its corners, two seams where it
+/// has fewer than two. @return the sides in the sense of the stroke.
+std::vector<int> add_loop(PolylineMesh& mesh, const Stroke& stroke, double sharpness, int curve);
+
+/// A curve and the walks of its pieces: walks[k] runs from vertex k to vertex k + 1 of the contacts.
+struct DrawnCurve {
+  int curve = -1;
+  std::vector<std::vector<Points>> pieces;  ///< per piece its edges from corner to corner
+  std::vector<int> vertices;
+  bool closed = false;
+};
+/// Fits a stroke to held points that are vertices already (held k is vertex k).
+DrawnCurve place_stroke(PolylineMesh& mesh, const Stroke& stroke, const std::vector<HeldPoint>& held,
+                        std::vector<int> vertices);
+/// Fits a stroke to its contacts and makes these vertices; adds no edges yet.
+DrawnCurve place_stroke(PolylineMesh& mesh, const Stroke& stroke, const std::vector<Contact>& contacts);
+/// The edges of one piece. @return the sides from its first vertex to its last.
+std::vector<int> add_piece(PolylineMesh& mesh, const DrawnCurve& curve, size_t piece, double sharpness,
+                           bool drawn = true);
+
+/// insert_curve() of a stroke made ready, with its contacts known.
+EditReport insert_ready(PolylineMesh& mesh, const Stroke& stroke, const std::vector<Contact>& contacts,
+                        double snap, const InsertOptions& options, int* curve = nullptr);
+
+/// Walked the other way.
+Stroke reversed_stroke(const Stroke& stroke);
+/// The part of an open stroke between two arc lengths.
+Stroke part_of(const Stroke& stroke, double from, double to);
+/// A chain of sides walked the other way.
+std::vector<int> reversed_chain(const std::vector<int>& chain);
+/// H 5.2.4: from the middle of a half of a profile to the middle between its ends, unit length.
+Eigen::Vector3d half_direction(const PolylineMesh& mesh, const std::vector<int>& chain);
+/// Whether the first half of one border faces the first (rather than the second) half of the other, by the
+/// greatest scalar product of their directions (H 5.2.4).
+bool first_faces_first(const PolylineMesh& mesh, const std::array<std::vector<int>, 2>& a,
+                       const std::array<std::vector<int>, 2>& b);
+
+/// Seam vertices of the curves that meet at the given vertices.
+std::vector<int> seams_near(const PolylineMesh& mesh, const std::vector<int>& vertices);
+
+}  // namespace batten::detail

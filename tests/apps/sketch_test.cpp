@@ -1,0 +1,105 @@
+#include "apps/run_batten.hpp"
+
+#include <cmath>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+namespace batten::test {
+namespace {
+
+using Json = nlohmann::json;
+
+const char* const kHeader = "{\"batten_session\":1,\"unit\":\"m\"}\n";
+const char* const kSquare =
+    "{\"op\":\"insert\",\"points\":[[0,0,0],[1,0,0],[1,1,0],[0,1,0]],\"closed\":true}\n";
+
+Json run_json(const std::string& arguments, int exit_code = 0) {
+  const Run run = run_batten(arguments + " --json");
+  EXPECT_EQ(run.exit_code, exit_code) << arguments << "\n" << run.err;
+  const Json json = Json::parse(run.out, nullptr, false);
+  EXPECT_TRUE(json.is_object()) << run.out;
+  return json.is_object() ? json : Json::object();
+}
+
+TEST(SketchCommand, CountsAndIdsOfASession) {
+  write_file("square.jsonl", std::string(kHeader) + kSquare +
+                                 "{\"op\":\"insert\",\"points\":[[0,0,0],[1,1,0]],\"snap\":0.01}\n");
+  const Json json = run_json("sketch square.jsonl -o square.batten");
+  EXPECT_EQ(json["curves"], 2);
+  EXPECT_EQ(json["vertices"], 4);
+  EXPECT_EQ(json["faces"], 2);
+  EXPECT_EQ(json["boundary_loops"], 1);
+  EXPECT_EQ(json["genus"], 0);
+  EXPECT_EQ(json["refused"], Json::array());
+  EXPECT_EQ(json["edits"][1]["curves"], Json::array({"c1"}));
+  EXPECT_EQ(json["edits"][0]["vertices"], Json::array({"v0", "v1", "v2", "v3"}));
+  EXPECT_EQ(json["curve_list"][1]["id"], "c1");
+  EXPECT_NEAR(json["curve_list"][1]["length"].get<double>(), std::sqrt(2.0), 1e-9);
+  EXPECT_TRUE(json["seconds"].contains("edits"));
+  // The project is read back as the same model.
+  const Json again = run_json("sketch square.batten -o again.batten");
+  for (const char* figure : {"curve_list", "vertex_list", "face_list"})
+    EXPECT_EQ(again[figure], json[figure]) << figure;
+  EXPECT_EQ(read_file("again.batten"), read_file("square.batten"));
+}
+
+TEST(SketchCommand, RefusedEditsAreListedAndStrictMakesThemFail) {
+  write_file("refused.jsonl", std::string(kHeader) + kSquare +
+                                  "{\"op\":\"insert\",\"points\":[[0.3,0.5,0],[1,0.5,0]],\"snap\":0.01}\n"
+                                  "{\"op\":\"delete\",\"curve\":\"c9\"}\n{\"op\":\"redo\"}\n");
+  const Json json = run_json("sketch refused.jsonl -o refused.batten");
+  ASSERT_EQ(json["refused"].size(), 3u);
+  EXPECT_EQ(json["refused"][0]["line"], 3);
+  EXPECT_EQ(json["refused"][0]["op"], "insert");
+  EXPECT_NE(json["refused"][0]["reason"].get<std::string>().find("0.3 from the nearest curve, c0"),
+            std::string::npos);
+  EXPECT_FALSE(json["refused"][0]["remedy"].get<std::string>().empty());
+  EXPECT_EQ(json["faces"], 1);
+  run_json("sketch refused.jsonl -o refused.batten --strict", 1);
+}
+
+TEST(SketchCommand, BadFilesEndWithThreeAndTheLine) {
+  write_file("bad.jsonl", std::string(kHeader) + kSquare + "{\"op\":\"cut\"}\n");
+  Run run = run_batten("sketch bad.jsonl -o bad.batten");
+  EXPECT_EQ(run.exit_code, 3);
+  EXPECT_NE(run.err.find("bad.jsonl:3"), std::string::npos) << run.err;
+  EXPECT_FALSE(file_exists("bad.batten"));
+  EXPECT_EQ(run_batten("sketch missing.jsonl -o bad.batten").exit_code, 3);
+  EXPECT_EQ(run_batten("sketch bad.jsonl -o bad.ply").exit_code, 3);
+  EXPECT_EQ(run_batten("sketch bad.jsonl").exit_code, 2);
+  EXPECT_EQ(run_batten("sketch bad.jsonl -o bad.batten --method nurbs").exit_code, 2);
+  EXPECT_EQ(run_batten("sketch bad.jsonl -o bad.batten --levels 99").exit_code, 2);
+  write_file("torn.jsonl", std::string(kHeader) + kSquare + "{\"op\":\"inse");
+  run = run_batten("sketch torn.jsonl -o torn.batten");
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_NE(run.err.find("torn.jsonl:3: the last line is not finished"), std::string::npos) << run.err;
+}
+
+// The example sessions; what each must be follows from what it draws.
+TEST(SketchCommand, ExampleSessionsGiveClosedSurfacesOfTheirGenus) {
+  struct Example {
+    const char* name;
+    int genus, faces;
+  };
+  const std::string folder = std::string(BATTEN_TEST_DATA) + "/../../examples/sessions/";
+  for (const Example& example :
+       {Example{"sphere", 0, 8}, Example{"cube", 0, 6}, Example{"cross", 0, 14}, Example{"bottle", 1, 23},
+        Example{"charger", 0, 14}, Example{"telephone", 0, 8}}) {
+    const std::string name = example.name;
+    const Json json = run_json("sketch " + folder + name + ".jsonl -o " + name +
+                               ".batten --strict --surface " + name + ".ply --levels 1");
+    EXPECT_EQ(json["refused"], Json::array()) << name;
+    EXPECT_EQ(json["components"], 1) << name;
+    EXPECT_EQ(json["boundary_loops"], 0) << name;
+    EXPECT_EQ(json["genus"], example.genus) << name;
+    EXPECT_EQ(json["faces"], example.faces) << name;
+    const Json surface = run_json("info " + name + ".ply");
+    EXPECT_EQ(surface["genus"], example.genus) << name;
+    EXPECT_EQ(surface["boundary_loops"], 0) << name;
+  }
+}
+
+}  // namespace
+}  // namespace batten::test
