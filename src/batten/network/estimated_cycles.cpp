@@ -65,6 +65,7 @@ class Estimate {
     EstimatedCycles result;
     result.normals = normals_;
     tell_open_curves(result);
+    count(result);
     CurveNetwork with_normals = network_;
     with_normals.normals = normals_;
     CycleReport report = detail::collect_cycles(with_normals, node_orders());
@@ -363,6 +364,14 @@ class Estimate {
       for (const int dart : link.darts) curves.insert(graph_.topology.segments[at(dart / 2)].curve);
     }
     result.open_curves.assign(curves.begin(), curves.end());
+  }
+
+  void count(EstimatedCycles& result) const {
+    int characteristic = static_cast<int>(regions_.size()) - static_cast<int>(graph_.links.size());
+    for (const std::vector<int>& around : orders_) characteristic += !around.empty();
+    result.n_handles = graph_.topology.n_components - characteristic / 2;
+    for (size_t l = 0; l < graph_.links.size(); ++l)
+      result.n_one_sided += region_of_[2 * l] == region_of_[2 * l + 1];
   }
 
   std::string in_words(const detail::DoubtfulOrder& doubt) const {

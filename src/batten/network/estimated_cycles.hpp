@@ -14,6 +14,8 @@ struct EstimatedCycles {
   /// each connected part. Vertices that no curve uses have (0, 0, 1).
   Points normals;
   std::vector<int> open_curves;       ///< curves not tagged as boundary with the outside on one side, increasing
+  int n_handles = 0;    ///< genus of the surface with its openings closed, summed over the connected parts
+  int n_one_sided = 0;  ///< links between branching nodes with the same patch on both sides
   std::vector<std::string> warnings;  ///< places that could be read otherwise, in words
 };
 

@@ -30,6 +30,8 @@ const double kSameDirection = std::cos(radians(25));
 constexpr double kOverdraw = 6;
 /// What is left between two overdrawn pieces counts when it is this many tolerances long.
 constexpr double kRest = 3;
+/// Slivers: tolerances along a loop, or along both of two curves between the same nodes, that make no patch.
+constexpr double kShortest = 3;
 
 size_t at(int i) {
   return static_cast<size_t>(i);
@@ -321,7 +323,9 @@ CurveNetwork without_slivers(const CurveNetwork& network, double tolerance, int&
     piece.vertices.front() = root(piece.vertices.front());
     piece.vertices.back() = root(piece.vertices.back());
     const int a = piece.vertices.front(), b = piece.vertices.back();
-    if (piece.vertices.size() < (a == b ? 4u : 2u)) continue;
+    // Loops, and pairs between the same nodes, too short to bound a patch with a vertex inside each side.
+    const bool is_short = length_of(pieces, piece.vertices) < kShortest * tolerance;
+    if (a == b && (is_short || piece.vertices.size() < 4)) continue;
     std::vector<size_t>& others = between[{std::min(a, b), std::max(a, b)}];
     const auto beside = [&](size_t other) {
       const std::vector<int>& theirs = result[other].vertices;
@@ -335,7 +339,10 @@ CurveNetwork without_slivers(const CurveNetwork& network, double tolerance, int&
       });
     };
     // Twice the tolerance: either may have moved by it.
-    if (std::any_of(others.begin(), others.end(), beside)) {
+    const auto as_short = [&](size_t other) {
+      return is_short && length_of(pieces, result[other].vertices) < kShortest * tolerance;
+    };
+    if (std::any_of(others.begin(), others.end(), [&](size_t o) { return as_short(o) || beside(o); })) {
       ++n_dropped;
       continue;
     }

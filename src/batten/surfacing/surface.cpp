@@ -171,9 +171,11 @@ struct SurfaceSolver::Implementation {
       ScopedStage stage(result.times, "cycles");
       scaled_network = scaled(network);
       check_coincident(network, scaled_network);
-      CycleReport report = find_cycles(network);
-      cycles = std::move(report.cycles);
-      result.warnings = std::move(report.warnings);
+      if (cycles.empty()) {
+        CycleReport report = find_cycles(network);
+        cycles = std::move(report.cycles);
+        result.warnings = std::move(report.warnings);
+      }
       if (const int crowded = calm_crowded_normals(network, scaled_network); crowded > 0)
         result.warnings.push_back(
             concat(crowded,
@@ -498,6 +500,21 @@ SurfaceSolver::SurfaceSolver(const CurveNetwork& network, const SurfaceOptions& 
   implementation_->options = options;
   implementation_->build(progress);
 }
+SurfaceSolver::SurfaceSolver(const CurveNetwork& network, const std::vector<NetworkCycle>& cycles,
+                             const SurfaceOptions& options, const Progress& progress)
+    : implementation_(std::make_unique<Implementation>()) {
+  if (cycles.empty()) throw InvalidInput("there is no cycle to fill");
+  for (std::size_t c = 0; c < cycles.size(); ++c)
+    for (const NetworkCycle::Loop& loop : cycles[c].loops)
+      for (const int v : loop.vertices)
+        if (v < 0 || v >= network.positions.rows())
+          throw InvalidInput(concat("cycle ", c, " names vertex ", v, ", but the network has the vertices 0 to ",
+                                    network.positions.rows() - 1));
+  implementation_->network = network;
+  implementation_->cycles = cycles;
+  implementation_->options = options;
+  implementation_->build(progress);
+}
 SurfaceSolver::~SurfaceSolver() = default;
 SurfaceSolver::SurfaceSolver(SurfaceSolver&&) noexcept = default;
 SurfaceSolver& SurfaceSolver::operator=(SurfaceSolver&&) noexcept = default;
@@ -547,6 +564,11 @@ const SurfaceResult& SurfaceSolver::move(const Points& positions, const Points& 
 SurfaceResult surface_network(const CurveNetwork& network, const SurfaceOptions& options,
                               const Progress& progress) {
   return SurfaceSolver(network, options, progress).result();
+}
+
+SurfaceResult surface_network(const CurveNetwork& network, const std::vector<NetworkCycle>& cycles,
+                              const SurfaceOptions& options, const Progress& progress) {
+  return SurfaceSolver(network, cycles, options, progress).result();
 }
 
 }  // namespace batten
