@@ -12,7 +12,6 @@
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
 #include "batten/core/units.hpp"
-#include "batten/mesh/triangle_mesh.hpp"
 #include "batten/network/cycles_detail.hpp"
 #include "batten/network/node_orders_detail.hpp"
 
@@ -28,6 +27,8 @@ using Eigen::Vector3d;
 constexpr size_t kPieces = 10;
 /// A region is outside when it meets its neighbours at less than this angle on average: it folds back.
 const double kFoldedBack = std::cos(radians(120));
+/// And it meets each of them at less than this: the back of a flat body has sides.
+const double kNoEdge = std::cos(radians(105));
 /// The curves of a node lie in a plane when they leave it by no more than this (root mean square).
 constexpr double kPlanar = 0.2;
 /// A patch beside a curve that passes through a T turned away this far from the plane of the T shows an edge.
@@ -52,7 +53,7 @@ class Estimate {
 
   EstimatedCycles run() {
     if (network_.curves.empty()) throw InvalidInput("the network has no curves; there is nothing to surface");
-    diameter_ = bounding_box_diagonal(network_.positions);
+    size_ = detail::network_size(network_, graph_);
     detail::OrderSearchResult search = detail::search_node_orders(network_, graph_, progress_);
     orders_ = std::move(search.orders);
     trace();
@@ -140,27 +141,34 @@ class Estimate {
     }
   }
 
-  /// Mean cosine between the normals of a region and of those beside it, along its whole outline.
-  double agreement(const Region& region) const {
-    double sum = 0, length = 0;
+  /// Cosines between the normals of a region and of those beside it: the mean along its whole outline, and
+  /// the greatest mean along one link.
+  struct Agreement {
+    double mean = 1, greatest = 1;
+  };
+  Agreement agreement(const Region& region) const {
+    Agreement result;
+    double sum = 0, length = 0, greatest = -1;
     for (const int d : region.darts) {
       const std::vector<Vector3d>&own = views_[at(d)], &other = views_[at(d ^ 1)];
-      for (size_t i = 0; i < own.size(); ++i) {
-        const double weight = graph_.links[at(d / 2)].length / static_cast<double>(own.size());
-        sum += weight * own[i].dot(other[i]);
-        length += weight;
-      }
+      double of_link = 0;
+      for (size_t i = 0; i < own.size(); ++i) of_link += own[i].dot(other[i]) / static_cast<double>(own.size());
+      if (own.empty()) continue;
+      sum += graph_.links[at(d / 2)].length * of_link;
+      length += graph_.links[at(d / 2)].length;
+      greatest = std::max(greatest, of_link);
     }
-    return length > 0 ? sum / length : 1;
+    if (length > 0) result = {sum / length, greatest};
+    return result;
   }
 
   void find_outside() {
-    std::vector<double> agreements;
+    std::vector<Agreement> agreements;
     for (const Region& region : regions_) agreements.push_back(agreement(region));
     std::vector<int> by_agreement(regions_.size());
     std::iota(by_agreement.begin(), by_agreement.end(), 0);
     std::stable_sort(by_agreement.begin(), by_agreement.end(),
-                     [&](int a, int b) { return agreements[at(a)] < agreements[at(b)]; });
+                     [&](int a, int b) { return agreements[at(a)].mean < agreements[at(b)].mean; });
     std::vector<char> has_tags(at(graph_.topology.n_components), 0);
     for (const NetworkLink& link : graph_.links)
       if (link.border) has_tags[at(component(link.from))] = 1;
@@ -171,7 +179,8 @@ class Estimate {
     for (const int r : by_agreement) {
       Region& region = regions_[at(r)];
       const bool tagged = has_tags[at(component(node_of(region.darts.front())))] != 0;
-      const bool may_be = tagged ? region.only_border : agreements[at(r)] < kFoldedBack;
+      const bool may_be = tagged ? region.only_border
+                                 : agreements[at(r)].mean < kFoldedBack && agreements[at(r)].greatest < kNoEdge;
       if (may_be && !beside_outside(region)) region.outside = true;
     }
   }
@@ -186,10 +195,10 @@ class Estimate {
       const Vector3d x = point(graph_.topology.nodes[n]);
       std::vector<Vector3d> tangents;
       for (const int d : around)
-        tangents.push_back(detail::link_direction(network_, graph_, d, diameter_));
+        tangents.push_back(detail::link_direction(network_, graph_, d, size_));
       // What the sectors turn about, and what the patches look like.
       Vector3d turn = Vector3d::Zero(), mean = Vector3d::Zero(), across = Vector3d::Zero();
-      double widest = 0;
+      double widest = 0, weights = 0;
       for (size_t i = 0; i < around.size(); ++i) {
         const Region& region = regions_[at(region_of_[at(around[i])])];
         if (region.outside) continue;
@@ -199,12 +208,13 @@ class Estimate {
         const Vector3d seen = view(region, x);
         if (!(seen.norm() > 0)) continue;
         mean += std::max(angle, 0.1) * seen.normalized();
+        weights += std::max(angle, 0.1);
         if (angle > widest) {
           widest = angle;
           across = seen.normalized();
         }
       }
-      Vector3d normal = mean.norm() > 1e-6 ? mean : turn;
+      Vector3d normal = mean.norm() > 0.01 * weights ? mean : turn;
       Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
       for (const Vector3d& t : tangents) moments += t * t.transpose();
       const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(moments);
@@ -213,8 +223,8 @@ class Estimate {
         Vector3d plane = solver.eigenvectors().col(0);
         if (plane.dot(turn.norm() > 0.3 ? turn : normal) < 0) plane = -plane;
         // A curve that passes through a T may be an edge: then the far patch looks elsewhere.
-        const bool edge = widest > radians(150) && across.dot(plane) < kEdge;
-        if (!edge) normal = plane;
+        const bool at_edge = widest > radians(150) && across.dot(plane) < kEdge;
+        if (!at_edge) normal = plane;
       }
       node_normals_[n] = normal.norm() > 0 ? Vector3d(normal.normalized()) : tangents[0].unitOrthogonal();
     }
@@ -396,7 +406,7 @@ class Estimate {
   const CurveNetwork& network_;
   const Progress& progress_;
   LinkGraph graph_;
-  double diameter_ = 0;
+  double size_ = 0;
   std::vector<std::vector<int>> orders_;  ///< per node: link darts counter-clockwise
   std::vector<std::vector<int>> samples_;  ///< per link: places in its vertex list
   std::vector<int> region_of_;             ///< per link dart

@@ -11,7 +11,6 @@
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
 #include "batten/core/units.hpp"
-#include "batten/mesh/triangle_mesh.hpp"
 #include "batten/network/node_orders_detail.hpp"
 
 namespace batten::detail {
@@ -77,7 +76,7 @@ class OrderSearch {
       : network_(network),
         graph_(graph),
         progress_(progress),
-        diameter_(bounding_box_diagonal(network.positions)),
+        size_(network_size(network, graph)),
         nodes_(graph.darts.size()) {}
 
   OrderSearchResult run() {
@@ -133,7 +132,7 @@ class OrderSearch {
     std::vector<std::array<Vector3d, 2>> frames(2 * n_links);
     std::vector<Vector3d> tangents(2 * n_links);
     for (size_t d = 0; d < 2 * n_links; ++d) 
-      tangents[d] = link_direction(network_, graph_, static_cast<int>(d), diameter_);
+      tangents[d] = link_direction(network_, graph_, static_cast<int>(d), size_);
     for (size_t l = 0; l < n_links; ++l)
       link_frames(static_cast<int>(l), tangents[2 * l], -tangents[2 * l + 1], frames[2 * l],
                   frames[2 * l + 1]);
@@ -529,7 +528,7 @@ class OrderSearch {
   const CurveNetwork& network_;
   const LinkGraph& graph_;
   const Progress& progress_;
-  double diameter_;
+  double size_;
   std::vector<Node> nodes_;
   std::vector<int> place_;   ///< per link dart: its place in the list of its node
   std::vector<int> chosen_;  ///< per node: number of its order
@@ -540,11 +539,11 @@ class OrderSearch {
 
 }  // namespace
 
-Vector3d link_direction(const CurveNetwork& network, const LinkGraph& graph, int dart, double diameter) {
+Vector3d link_direction(const CurveNetwork& network, const LinkGraph& graph, int dart, double size) {
   const NetworkLink& link = graph.links[at(dart / 2)];
   const std::vector<int>& vertices = link.vertices;
   const size_t n = vertices.size();
-  const double window = std::min(0.3 * link.length, 0.05 * diameter);
+  const double window = std::min(0.3 * link.length, 0.05 * size);
   const auto walk = [&](size_t i) {
     return Vector3d(network.positions.row(vertices[dart % 2 == 0 ? i : n - 1 - i]));
   };
@@ -567,6 +566,21 @@ Vector3d link_direction(const CurveNetwork& network, const LinkGraph& graph, int
   if (used < 2) return chord.normalized();
   const Vector3d tangent = (s4 * p1 - s3 * p2) / (s2 * s4 - s3 * s3);
   return tangent.norm() > 0 && tangent.dot(chord) > 0 ? tangent.normalized() : chord.normalized();
+}
+
+double network_size(const CurveNetwork& network, const LinkGraph& graph) {
+  Vector3d mean = Vector3d::Zero();
+  double count = 0, greatest = 0;
+  for (const NetworkLink& link : graph.links)
+    for (const int v : link.vertices) {
+      mean += network.positions.row(v).transpose();
+      ++count;
+    }
+  if (count > 0) mean /= count;
+  for (const NetworkLink& link : graph.links)
+    for (const int v : link.vertices)
+      greatest = std::max(greatest, (network.positions.row(v).transpose() - mean).norm());
+  return 2 * greatest;
 }
 
 Vector3d carried(const Vector3d& v, const Vector3d& a, const Vector3d& b) {

@@ -32,8 +32,11 @@ LinkGraph link_graph(const CurveNetwork& network);
 
 /// The unit direction in which a link dart leaves its node, from samples near enough to show it and far enough
 /// not to see what welding bent.
-/// @param diameter of the network.
-Eigen::Vector3d link_direction(const CurveNetwork& network, const LinkGraph& graph, int dart, double diameter);
+/// @param size of the network.
+Eigen::Vector3d link_direction(const CurveNetwork& network, const LinkGraph& graph, int dart, double size);
+
+/// Twice the greatest distance of a vertex from the mean of all; unlike a box, it turns with the network.
+double network_size(const CurveNetwork& network, const LinkGraph& graph);
 
 /// A choice that the search made by little.
 struct DoubtfulOrder {

@@ -163,6 +163,7 @@ struct SurfaceSolver::Implementation {
   std::vector<char> border;
   Points positions, normals;  ///< of all vertices, in diameters; normals propagated
   bool metric_from_layout = true;
+  bool cycles_are_given = false;  ///< found from curves alone, so that one that cannot be filled may be wrong
 
   void build(const Progress& progress) {
     check(network, options);
@@ -220,21 +221,32 @@ struct SurfaceSolver::Implementation {
     for (std::size_t p = 0; p < cycles.size(); ++p) {
       progress.report("tessellation", static_cast<double>(p) / static_cast<double>(cycles.size()));
       std::string warning;
-      if (in_space[p]) {
-        patches.push_back(mesh_patch_in_space(scaled_network, cycles[p], static_cast<int>(p), edge));
-        warning = concat("patch ", p, " (at vertex ", cycles[p].loops.front().vertices.front(),
-                         ") folded over from its plane layout; it was triangulated in space");
-      } else {
-        patches.push_back(
-            mesh_patch(scaled_network, cycles[p], static_cast<int>(p), options.map, edge, warning));
-        in_space[p] = patches.back().layout == PatchLayout::Space;
+      PatchMesh patch;
+      try {
+        if (in_space[p]) {
+          patch = mesh_patch_in_space(scaled_network, cycles[p], static_cast<int>(p), edge);
+          warning = concat("patch ", p, " (at vertex ", cycles[p].loops.front().vertices.front(),
+                           ") folded over from its plane layout; it was triangulated in space");
+        } else {
+          patch = mesh_patch(scaled_network, cycles[p], static_cast<int>(p), options.map, edge, warning);
+          in_space[p] = patch.layout == PatchLayout::Space;
+        }
+      } catch (const InvalidInput& problem) {
+        if (!cycles_are_given || in_space[p]) throw;  // a second layout may fail, the first stands
+        patch = PatchMesh();
+        warning = concat(problem.what(), "; it was left open");
       }
+      patches.push_back(std::move(patch));
       if (!warning.empty()) warnings.push_back(warning);
       result.patches_in_space += in_space[p];
-      n += patches.back().n_inner;
-      m += patches.back().triangles.rows();
+    }
+    detail::split_shared_inner_edges(patches, cycles);
+    for (const PatchMesh& patch : patches) {
+      n += patch.n_inner;
+      m += patch.triangles.rows();
     }
     patch_warnings = std::move(warnings);
+    if (m == 0) throw InvalidInput(patch_warnings.front());
     triangles.resize(m, 3);
     layout_lengths.resize(m, 3);
     result.patch_of_triangle.assign(static_cast<std::size_t>(m), 0);
@@ -512,6 +524,7 @@ SurfaceSolver::SurfaceSolver(const CurveNetwork& network, const std::vector<Netw
                                     network.positions.rows() - 1));
   implementation_->network = network;
   implementation_->cycles = cycles;
+  implementation_->cycles_are_given = true;
   implementation_->options = options;
   implementation_->build(progress);
 }
