@@ -6,6 +6,7 @@
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
 #include "batten/core/units.hpp"
+#include "batten/io/network_io.hpp"
 #include "batten/mesh/triangle_mesh.hpp"
 #include "batten/network/sketch_network.hpp"
 
@@ -32,6 +33,7 @@ Json finding_json(const NetworkFinding& finding) {
 std::vector<NetworkCycle> run_sketch_stage(const SketchArguments& arguments, CurveNetwork& network,
                                            const Context& context, Outcome& outcome) {
   const double diameter = bounding_box_diagonal(network.positions);
+  if (!arguments.network.empty()) network_format(arguments.network);  // before any work is done
   if (!(diameter > 0) || !std::isfinite(diameter))
     throw InvalidInput("the network has no extent; all its vertices lie at one place");
   SketchNetworkOptions options;
@@ -58,11 +60,11 @@ std::vector<NetworkCycle> run_sketch_stage(const SketchArguments& arguments, Cur
   figures["extended_ends"] = sketch.n_extended_ends;
   figures["left_out"] = sketch.n_left_out;
   figures["weld_tolerance"] = made.weld_tolerance * diameter;
-  outcome.lines.push_back(concat("sketch: ", sketch.n_strokes, " strokes, ", count(NetworkDefect::DanglingEnd),
-                                 " dangling ends, ", count(NetworkDefect::NearMiss), " near misses; ",
-                                 sketch.n_overdrawn, " pieces drawn twice, ", sketch.n_extended_ends,
-                                 " ends extended, ", sketch.n_left_out, " pieces left out, welded within ",
-                                 100 * made.weld_tolerance, " % of the diameter"));
+  outcome.lines.push_back(
+      concat("sketch: ", sketch.n_strokes, " strokes, ", count(NetworkDefect::DanglingEnd),
+             " dangling ends, ", count(NetworkDefect::NearMiss), " near misses; ", sketch.n_overdrawn,
+             " pieces drawn twice, ", sketch.n_extended_ends, " ends extended, ", sketch.n_left_out,
+             " pieces left out, welded within ", 100 * made.weld_tolerance, " % of the diameter"));
   Json findings = Json::array();
   for (const NetworkFinding& finding : sketch.findings) {
     // Crossings and ends on a stroke are what every sketch has; they are welded without a word.
@@ -75,6 +77,7 @@ std::vector<NetworkCycle> run_sketch_stage(const SketchArguments& arguments, Cur
   figures["diagnosis"] = findings;
   outcome.warnings.insert(outcome.warnings.end(), sketch.warnings.begin(), sketch.warnings.end());
   network = made.network;
+  if (!arguments.network.empty()) write_network(arguments.network, network);
   outcome.warnings.insert(outcome.warnings.end(), estimate.warnings.begin(), estimate.warnings.end());
   if (!estimate.open_curves.empty()) {
     std::string names;
@@ -92,20 +95,23 @@ void add_sketch_options(CLI::App& command, SketchArguments& arguments) {
     return parses("LENGTH", [name, word, zero](const std::string& text) {
       if (text == word) return;
       const double value = parse_length(text).value;
-      if (!(value > 0) && !(zero && value == 0)) throw InvalidInput(concat(name, " must be positive: ", text));
+      if (!(value > 0) && !(zero && value == 0))
+        throw InvalidInput(concat(name, " must be positive: ", text));
     });
   };
   command
-      .add_option("--weld", arguments.weld,
-                  "Without normals: strokes this near meet (0.5%, 2mm, 0.01); auto: what gives the simplest surface")
+      .add_option(
+          "--weld", arguments.weld,
+          "Without normals: strokes this near meet (0.5%, 2mm, 0.01); auto: what gives the simplest surface")
       ->check(length("--weld", "auto", false));
-  command
-      .add_option("--reach", arguments.reach, "Without normals: ends are extended to a stroke this near")
+  command.add_option("--reach", arguments.reach, "Without normals: ends are extended to a stroke this near")
       ->check(length("--reach", "none", true));
   command
       .add_option("--step", arguments.step,
                   "Without normals: distance of samples on the cleaned curves, or none for those of the file")
       ->check(length("--step", "none", false));
+  command.add_option("--write-network", arguments.network,
+                     "Without normals: write the network that the sketch became: .net, .obj or .json");
 }
 
 }  // namespace batten::cli

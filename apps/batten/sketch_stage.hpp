@@ -10,7 +10,7 @@ namespace batten::cli {
 
 /// The way from curves without normals to a network with patches, as `surface` goes it.
 struct SketchArguments {
-  std::string weld = "auto", reach = "3%", step = "1.5%";
+  std::string weld = "auto", reach = "3%", step = "1.5%", network;
 };
 
 /// Adds the options; they apply to networks without normals only.

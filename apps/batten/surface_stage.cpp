@@ -78,9 +78,8 @@ void run_surface_stage(const SurfaceArguments& arguments, const CurveNetwork& ne
   if (arguments.edge_length != "auto")
     options.edge_length =
         parse_length(arguments.edge_length).in_file_units(bounding_box_diagonal(network.positions));
-  const SurfaceResult surface = cycles.empty()
-                                    ? surface_network(network, options, context.progress)
-                                    : surface_network(network, cycles, options, context.progress);
+  const SurfaceResult surface = cycles.empty() ? surface_network(network, options, context.progress)
+                                               : surface_network(network, cycles, options, context.progress);
   outcome.times.add(surface.times);
   outcome.warnings.insert(outcome.warnings.end(), surface.warnings.begin(), surface.warnings.end());
   TriangleMesh mesh = without_loose_vertices(surface.mesh);

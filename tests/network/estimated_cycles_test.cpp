@@ -48,8 +48,8 @@ Patches patches(const std::vector<NetworkCycle>& cycles, const std::vector<int>&
 }
 
 /// Straight edges between points, `n` samples each.
-CurveNetwork wireframe(const std::vector<Eigen::RowVector3d>& corners, const std::vector<std::array<int, 2>>& edges,
-                       int n = 6) {
+CurveNetwork wireframe(const std::vector<Eigen::RowVector3d>& corners,
+                       const std::vector<std::array<int, 2>>& edges, int n = 6) {
   samples::NetworkBuilder builder;
   for (const auto& [a, b] : edges)
     builder.curve(
@@ -64,7 +64,9 @@ CurveNetwork wireframe(const std::vector<Eigen::RowVector3d>& corners, const std
 CurveNetwork cube() {
   std::vector<Eigen::RowVector3d> corners;
   for (int i = 0; i < 8; ++i) corners.emplace_back(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1);
-  return wireframe(corners, {{0, 1}, {2, 3}, {4, 5}, {6, 7}, {0, 2}, {1, 3}, {4, 6}, {5, 7}, {0, 4}, {1, 5}, {2, 6}, {3, 7}});
+  return wireframe(
+      corners,
+      {{0, 1}, {2, 3}, {4, 5}, {6, 7}, {0, 2}, {1, 3}, {4, 6}, {5, 7}, {0, 4}, {1, 5}, {2, 6}, {3, 7}});
 }
 
 /// A tube of radius 1 and height 2: two rims, four lines between them.
@@ -76,16 +78,16 @@ CurveNetwork drum() {
         32, false, [&](double t) { return Vector3d(std::cos(2 * kPi * t), std::sin(2 * kPi * t), z); }, any);
   for (int i = 0; i < 4; ++i)
     builder.curve(
-        8, false,
-        [&](double t) { return Vector3d(std::cos(kPi * i / 2), std::sin(kPi * i / 2), 2 * t - 1); }, any);
+        8, false, [&](double t) { return Vector3d(std::cos(kPi * i / 2), std::sin(kPi * i / 2), 2 * t - 1); },
+        any);
   return without_normals(builder.build());
 }
 
 class SharedNetworks : public testing::TestWithParam<const char*> {};
 
-// The networks lie on known surfaces and bring their normals; the answer is what find_cycles() makes of those.
-// The estimate knows the curves alone: 2 to 4 degrees off on average, 20 at worst (on the inner side of the
-// torus), against bounds that leave a little room.
+// The networks lie on known surfaces and bring their normals; the answer is what find_cycles() makes of
+// those. The estimate knows the curves alone: 2 to 4 degrees off on average, 20 at worst (on the inner side
+// of the torus), against bounds that leave a little room.
 TEST_P(SharedNetworks, HaveTheSameCyclesAndSimilarNormalsWithoutTheirNormals) {
   const std::string path = std::string(BATTEN_SHARED_DATA) + "/networks/" + GetParam() + ".net";
   if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is missing";
@@ -148,7 +150,8 @@ TEST(EstimatedCycles, OfACubeAreItsFaces) {
   }
 }
 
-// Loops run counter-clockwise seen from outside: the vector areas of a closed surface give its volume, 8 here.
+// Loops run counter-clockwise seen from outside: the vector areas of a closed surface give its volume, 8
+// here.
 TEST(EstimatedCycles, RunCounterClockwiseSeenFromOutside) {
   const CurveNetwork network = cube();
   double volume = 0;
@@ -224,9 +227,9 @@ TEST(EstimatedCycles, DoNotDependOnPlaceScaleOrOrder) {
       const EstimatedCycles estimate = estimate_cycles(moved);
       EXPECT_EQ(patches(estimate.cycles, back), patches(expected.cycles));
       for (int v = 0; v < n; ++v)
-        EXPECT_NEAR((estimate.normals.row(number[static_cast<size_t>(v)]) * rotation)
-                        .dot(expected.normals.row(v)),
-                    1, 1e-6)
+        EXPECT_NEAR(
+            (estimate.normals.row(number[static_cast<size_t>(v)]) * rotation).dot(expected.normals.row(v)), 1,
+            1e-6)
             << "vertex " << v << " of " << n << ", scale " << scale;
     }
   }
@@ -258,7 +261,8 @@ TEST(EstimatedCycles, StandUnevenCurves) {
 // Spokes from the centre of an octahedron to its corners: no surface has all of them, so some place must be
 // told; which reading is taken is free.
 TEST(EstimatedCycles, AreToldWhereCurvesCanBeReadInSeveralWays) {
-  std::vector<Eigen::RowVector3d> corners{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}, {0, 0, 0}};
+  std::vector<Eigen::RowVector3d> corners{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0},
+                                          {0, 0, 1}, {0, 0, -1}, {0, 0, 0}};
   std::vector<std::array<int, 2>> edges;
   for (int a = 0; a < 6; ++a) {
     edges.push_back({a, 6});

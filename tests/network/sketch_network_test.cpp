@@ -27,9 +27,9 @@ void PrintTo(const KnownSketch& sketch, std::ostream* out) {
 
 class CleanSketches : public testing::TestWithParam<KnownSketch> {};
 
-// Trebol: 18 nodes and 36 arcs as its table says, so 20 patches on a closed surface without handles. Torus: 16
-// crossings of four and four circles. The others: crossings counted in their pictures; patches from Euler's
-// formula for closed surfaces of that genus.
+// Trebol: 18 nodes and 36 arcs as its table says, so 20 patches on a closed surface without handles. Torus:
+// 16 crossings of four and four circles. The others: crossings counted in their pictures; patches from
+// Euler's formula for closed surfaces of that genus.
 TEST_P(CleanSketches, GiveTheirPatches) {
   const KnownSketch& known = GetParam();
   const std::string path = std::string(BATTEN_SHARED_DATA) + "/curves/" + known.file;
@@ -69,8 +69,8 @@ void PrintTo(const RoughSketch& sketch, std::ostream* out) {
 
 class RoughSketches : public testing::TestWithParam<RoughSketch> {};
 
-// Strokes and free ends as the table of the data counts them. Every free end is named once: it lies on another
-// stroke, stops short of one, or dangles; and the finding lies at that end.
+// Strokes and free ends as the table of the data counts them. Every free end is named once: it lies on
+// another stroke, stops short of one, or dangles; and the finding lies at that end.
 TEST_P(RoughSketches, HaveEveryFreeEndListed) {
   const std::string path = std::string(BATTEN_SHARED_DATA) + "/curves/" + GetParam().file;
   if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is missing";
@@ -143,8 +143,7 @@ TEST(SketchNetwork, SamplesTheCurvesEvenly) {
       EXPECT_NEAR(length, step, 0.35 * step);
     }
   options.step = 0;
-  EXPECT_EQ(sketch_network(sketch, options).network.positions.rows(),
-            made.sketch.network.positions.rows());
+  EXPECT_EQ(sketch_network(sketch, options).network.positions.rows(), made.sketch.network.positions.rows());
 }
 
 TEST(SketchNetwork, SaysWhyThereIsNothingToSurface) {

@@ -6,8 +6,9 @@
 
 namespace batten::fixtures {
 
-/// m circles around the tube of a torus of radii 2 and 1 and n along it, crossing in m n shared vertices, with
-/// `edges` edges between two of them and no normals. The tube's radius waves by `waves` of itself. Patches: m n.
+/// m circles around the tube of a torus of radii 2 and 1 and n along it, crossing in m n shared vertices,
+/// with `edges` edges between two of them and no normals. The tube's radius waves by `waves` of itself.
+/// Patches: m n.
 inline CurveNetwork torus_grid(int m, int n, int edges, double waves) {
   CurveNetwork network;
   const int per_node = 2 * edges - 1;  // a node and the insides of the two segments that leave it

@@ -25,10 +25,11 @@ using Eigen::Vector3d;
 
 /// Pieces that a link counts as in the outline of a patch.
 constexpr size_t kPieces = 10;
-/// A region is outside when it meets its neighbours at less than this angle on average: it folds back.
-const double kFoldedBack = std::cos(radians(120));
-/// And it meets each of them at less than this: the back of a flat body has sides.
-const double kNoEdge = std::cos(radians(105));
+/// A region is outside when its normal and those of its neighbours differ by more than this on average: it
+/// folds back. (Three patches around an axis differ by 120 degrees, and close.)
+const double kFoldedBack = std::cos(radians(140));
+/// And they differ by more than this from each neighbour: the back of a flat body has sides.
+const double kNoEdge = std::cos(radians(115));
 /// The curves of a node lie in a plane when they leave it by no more than this (root mean square).
 constexpr double kPlanar = 0.2;
 /// A patch beside a curve that passes through a T turned away this far from the plane of the T shows an edge.
@@ -152,7 +153,8 @@ class Estimate {
     for (const int d : region.darts) {
       const std::vector<Vector3d>&own = views_[at(d)], &other = views_[at(d ^ 1)];
       double of_link = 0;
-      for (size_t i = 0; i < own.size(); ++i) of_link += own[i].dot(other[i]) / static_cast<double>(own.size());
+      for (size_t i = 0; i < own.size(); ++i)
+        of_link += own[i].dot(other[i]) / static_cast<double>(own.size());
       if (own.empty()) continue;
       sum += graph_.links[at(d / 2)].length * of_link;
       length += graph_.links[at(d / 2)].length;
@@ -179,8 +181,9 @@ class Estimate {
     for (const int r : by_agreement) {
       Region& region = regions_[at(r)];
       const bool tagged = has_tags[at(component(node_of(region.darts.front())))] != 0;
-      const bool may_be = tagged ? region.only_border
-                                 : agreements[at(r)].mean < kFoldedBack && agreements[at(r)].greatest < kNoEdge;
+      const bool may_be = tagged
+                              ? region.only_border
+                              : agreements[at(r)].mean < kFoldedBack && agreements[at(r)].greatest < kNoEdge;
       if (may_be && !beside_outside(region)) region.outside = true;
     }
   }
@@ -194,8 +197,7 @@ class Estimate {
       if (around.empty()) continue;
       const Vector3d x = point(graph_.topology.nodes[n]);
       std::vector<Vector3d> tangents;
-      for (const int d : around)
-        tangents.push_back(detail::link_direction(network_, graph_, d, size_));
+      for (const int d : around) tangents.push_back(detail::link_direction(network_, graph_, d, size_));
       // What the sectors turn about, and what the patches look like.
       Vector3d turn = Vector3d::Zero(), mean = Vector3d::Zero(), across = Vector3d::Zero();
       double widest = 0, weights = 0;
@@ -259,12 +261,15 @@ class Estimate {
       }
       second[i] = tangents[i].cross(first[i]);
     }
-    const auto angle = [&](size_t i, const Vector3d& v) { return std::atan2(v.dot(second[i]), v.dot(first[i])); };
+    const auto angle = [&](size_t i, const Vector3d& v) {
+      return std::atan2(v.dot(second[i]), v.dot(first[i]));
+    };
     const auto near = [](double value, double to) { return to + std::remainder(value - to, 2 * kPi); };
     const double begin = angle(0, node_normals_[at(link.from)]);
     std::vector<std::array<double, 2>> seen;  // place along the link from 0 to 1, angle
     double last = begin;
-    const Region &left = regions_[at(region_of_[at(2 * l)])], &right = regions_[at(region_of_[at(2 * l + 1)])];
+    const Region &left = regions_[at(region_of_[at(2 * l)])],
+                 &right = regions_[at(region_of_[at(2 * l + 1)])];
     for (size_t i = 1; i + 1 < samples_[at(l)].size(); ++i) {
       const size_t k = at(samples_[at(l)][i]);
       const Vector3d mean = (left.outside ? 0.0 : 1.0) * views_[at(2 * l)][i - 1] +
@@ -360,8 +365,7 @@ class Estimate {
       }
     for (size_t d = 0; d < region_of_.size(); ++d) {
       if (!regions_[at(region_of_[d])].outside) continue;
-      for (const int dart : graph_.links[d / 2].darts)
-        result.outside[at(d % 2 == 0 ? dart : dart ^ 1)] = 1;
+      for (const int dart : graph_.links[d / 2].darts) result.outside[at(d % 2 == 0 ? dart : dart ^ 1)] = 1;
     }
     return result;
   }
@@ -407,7 +411,7 @@ class Estimate {
   const Progress& progress_;
   LinkGraph graph_;
   double size_ = 0;
-  std::vector<std::vector<int>> orders_;  ///< per node: link darts counter-clockwise
+  std::vector<std::vector<int>> orders_;   ///< per node: link darts counter-clockwise
   std::vector<std::vector<int>> samples_;  ///< per link: places in its vertex list
   std::vector<int> region_of_;             ///< per link dart
   std::vector<Region> regions_;

@@ -10,10 +10,10 @@ namespace batten {
 /// Patches of a network whose normals are not known, and normals that go with them.
 struct EstimatedCycles {
   std::vector<NetworkCycle> cycles;  ///< as find_cycles() gives them
-  /// n × 3 unit normals: outward where the surface is closed, else on a side of the estimate's choice, one for
-  /// each connected part. Vertices that no curve uses have (0, 0, 1).
+  /// n × 3 unit normals: outward where the surface is closed, else on a side of the estimate's choice, one
+  /// for each connected part. Vertices that no curve uses have (0, 0, 1).
   Points normals;
-  std::vector<int> open_curves;       ///< curves not tagged as boundary with the outside on one side, increasing
+  std::vector<int> open_curves;  ///< curves not tagged as boundary with the outside on one side, increasing
   int n_handles = 0;    ///< genus of the surface with its openings closed, summed over the connected parts
   int n_one_sided = 0;  ///< links between branching nodes with the same patch on both sides
   std::vector<std::string> warnings;  ///< places that could be read otherwise, in words

@@ -117,10 +117,9 @@ class OrderSearch {
     const size_t edges = link.vertices.size() - 1, pieces = std::min<size_t>(edges, 24);
     Vector3d tangent = first;
     for (size_t i = 0; i <= pieces; ++i) {
-      const Vector3d next =
-          i == pieces ? last
-                      : Vector3d(point(link.vertices[edges * (i + 1) / pieces]) -
-                                 point(link.vertices[edges * i / pieces]));
+      const Vector3d next = i == pieces ? last
+                                        : Vector3d(point(link.vertices[edges * (i + 1) / pieces]) -
+                                                   point(link.vertices[edges * i / pieces]));
       if (!(next.norm() > 0)) continue;
       for (Vector3d& v : at_to) v = carried(v, tangent, next.normalized());
       tangent = next.normalized();
@@ -131,7 +130,7 @@ class OrderSearch {
     const size_t n_links = graph_.links.size();
     std::vector<std::array<Vector3d, 2>> frames(2 * n_links);
     std::vector<Vector3d> tangents(2 * n_links);
-    for (size_t d = 0; d < 2 * n_links; ++d) 
+    for (size_t d = 0; d < 2 * n_links; ++d)
       tangents[d] = link_direction(network_, graph_, static_cast<int>(d), size_);
     for (size_t l = 0; l < n_links; ++l)
       link_frames(static_cast<int>(l), tangents[2 * l], -tangents[2 * l + 1], frames[2 * l],
@@ -217,8 +216,8 @@ class OrderSearch {
       for (int i = 0; i < k; ++i) {
         const int j = order.left[at(i)];
         if (at_border && std::min(i, j) == borders[0] && std::max(i, j) == borders[1]) continue;
-        order.cost += kSectorCost *
-                      std::acos(std::clamp(node.tangents[at(i)].dot(node.tangents[at(j)]), -1.0, 1.0));
+        order.cost +=
+            kSectorCost * std::acos(std::clamp(node.tangents[at(i)].dot(node.tangents[at(j)]), -1.0, 1.0));
       }
       least = std::min(least, order.cost);
       number[sequence] = static_cast<int>(node.orders.size());
@@ -278,7 +277,8 @@ class OrderSearch {
       }
       const int other = link.from == n ? link.to : link.from;
       if (chosen_[at(other)] < 0) continue;
-      cost += link.from == n ? link_cost(d / 2, order, chosen(other)) : link_cost(d / 2, chosen(other), order);
+      cost +=
+          link.from == n ? link_cost(d / 2, order, chosen(other)) : link_cost(d / 2, chosen(other), order);
     }
     return cost;
   }
@@ -375,8 +375,7 @@ class OrderSearch {
 
   void write_following(int n, const Order& order) {
     const std::vector<int>& darts = nodes_[at(n)].darts;
-    for (size_t i = 0; i < darts.size(); ++i)
-      follow_[at(darts[at(order.left[i])] ^ 1)] = darts[i];
+    for (size_t i = 0; i < darts.size(); ++i) follow_[at(darts[at(order.left[i])] ^ 1)] = darts[i];
   }
 
   /// What the patches through some darts cost: −gain for each, and the links with one patch on both sides.
@@ -413,8 +412,8 @@ class OrderSearch {
     double least = std::numeric_limits<double>::infinity();
     order = -1;
     // The only node of its component: seen from the other side it is the same.
-    const bool alone = std::all_of(node.darts.begin(), node.darts.end(),
-                                   [&](int d) { return start_node(d ^ 1) == n; });
+    const bool alone =
+        std::all_of(node.darts.begin(), node.darts.end(), [&](int d) { return start_node(d ^ 1) == n; });
     for (size_t o = 0; o < node.orders.size(); ++o) {
       if (static_cast<int>(o) == chosen_[at(n)] || (alone && static_cast<int>(o) == chosen(n).mirrored))
         continue;
@@ -620,8 +619,8 @@ LinkGraph link_graph(const CurveNetwork& network) {
   }
   for (size_t n = 0; n < leaving.size(); ++n)
     if (leaving[n].size() == 1)
-      throw InvalidInput(concat(curve_name(network, segments[at(leaving[n][0] / 2)].curve), " ends at vertex ",
-                                graph.topology.nodes[n],
+      throw InvalidInput(concat(curve_name(network, segments[at(leaving[n][0] / 2)].curve),
+                                " ends at vertex ", graph.topology.nodes[n],
                                 " without meeting another curve; join it to the network or remove it"));
   const auto passed = [&](int n) {
     const std::vector<int>& darts = leaving[at(n)];

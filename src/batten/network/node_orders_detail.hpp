@@ -30,8 +30,8 @@ struct LinkGraph {
 /// @throws InvalidInput as network_topology(), for positions that are not finite and edges without length.
 LinkGraph link_graph(const CurveNetwork& network);
 
-/// The unit direction in which a link dart leaves its node, from samples near enough to show it and far enough
-/// not to see what welding bent.
+/// The unit direction in which a link dart leaves its node, from samples near enough to show it and far
+/// enough not to see what welding bent.
 /// @param size of the network.
 Eigen::Vector3d link_direction(const CurveNetwork& network, const LinkGraph& graph, int dart, double size);
 

@@ -208,7 +208,8 @@ std::vector<int> degrees_of(const CurveNetwork& network) {
 }
 
 /// Free ends go on to the nearest stroke within reach: to a vertex of it, or one put there.
-CurveNetwork with_extended_ends(const CurveNetwork& network, double reach, double tolerance, int& n_extended) {
+CurveNetwork with_extended_ends(const CurveNetwork& network, double reach, double tolerance,
+                                int& n_extended) {
   const CurveIndex index(network, tolerance);
   const std::vector<int> degree = degrees_of(network);
   CurveNetwork result = network;
@@ -240,7 +241,8 @@ CurveNetwork with_extended_ends(const CurveNetwork& network, double reach, doubl
       const double near = std::max(tolerance, 0.3 * gap);
       int target = -1;
       double least = near;
-      for (const int v : {theirs.front(), theirs.back(), theirs[at(place->edge)], theirs[at(place->edge) + 1]}) {
+      for (const int v :
+           {theirs.front(), theirs.back(), theirs[at(place->edge)], theirs[at(place->edge) + 1]}) {
         const double distance = (position(network, v) - place->point).norm() * (degree[at(v)] == 1 ? 0.5 : 1);
         if (v != end && distance < least) {
           least = distance;
@@ -364,14 +366,17 @@ CurveNetwork without_tails(const CurveNetwork& network, CleanedSketch& told) {
     if (segments[s].to != segments[s].from) incident[at(segments[s].to)].push_back(static_cast<int>(s));
   }
   std::vector<char> kept(segments.size(), 1);
-  const auto other = [&](int s, int node) { return segments[at(s)].from == node ? segments[at(s)].to : segments[at(s)].from; };
+  const auto other = [&](int s, int node) {
+    return segments[at(s)].from == node ? segments[at(s)].to : segments[at(s)].from;
+  };
   const auto describe = [&](int s, const char* reason) {
     const std::vector<int>& vertices = segments[at(s)].vertices;
     const std::string& name = pieces.curves[at(segments[at(s)].curve)].name;
     ++told.n_left_out;
     told.warnings.push_back(concat("the piece ", name.empty() ? std::string() : concat("of ", name, " "),
                                    "from ", coordinates(position(pieces, vertices.front())), " to ",
-                                   coordinates(position(pieces, vertices.back())), " was left out: ", reason));
+                                   coordinates(position(pieces, vertices.back())),
+                                   " was left out: ", reason));
   };
   std::vector<int> queue;
   std::vector<int> valence(topology.nodes.size(), 0);
@@ -429,13 +434,15 @@ CurveNetwork without_tails(const CurveNetwork& network, CleanedSketch& told) {
   std::sort(bridges.begin(), bridges.end());
   for (const int s : bridges) {
     kept[at(s)] = 0;
-    describe(s, "it is the only way between two parts, so that one patch would lie on both of its sides; "
-                "connect the parts by a second curve");
+    describe(s,
+             "it is the only way between two parts, so that one patch would lie on both of its sides; "
+             "connect the parts by a second curve");
   }
   std::vector<NetworkCurve> curves;
   for (size_t s = 0; s < segments.size(); ++s)
     if (kept[s])
-      curves.push_back({pieces.curves[at(segments[s].curve)].name, segments[s].boundary, segments[s].vertices});
+      curves.push_back(
+          {pieces.curves[at(segments[s].curve)].name, segments[s].boundary, segments[s].vertices});
   pieces.curves = std::move(curves);
   return compacted(std::move(pieces));
 }
@@ -476,8 +483,8 @@ CurveNetwork joined_curves(const CurveNetwork& network) {
     const int beside = dart % 2 == 0 ? dart + 2 : dart - 2;  // segments of a curve follow each other
     if (beside < 0 || at(beside / 2) >= segments.size()) return -1;
     const NetworkSegment& next = segments[at(beside / 2)];
-    const bool same = next.curve == segments[at(dart / 2)].curve &&
-                      (beside % 2 == 0 ? next.from : next.to) == node;
+    const bool same =
+        next.curve == segments[at(dart / 2)].curve && (beside % 2 == 0 ? next.from : next.to) == node;
     return same ? beside : -1;
   };
   CurveNetwork result = network;

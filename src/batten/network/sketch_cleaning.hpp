@@ -31,8 +31,8 @@ struct CleanedSketch {
   int n_strokes = 0;        ///< curves of the sketch, joined where two of them follow each other
   int n_overdrawn = 0;      ///< pieces left out because another stroke runs there
   int n_extended_ends = 0;  ///< ends extended to the nearest stroke
-  int n_left_out = 0;       ///< pieces left out because they end in nothing or lead to a part by one curve only
-  WeldReport weld;          ///< of all rounds
+  int n_left_out = 0;  ///< pieces left out because they end in nothing or lead to a part by one curve only
+  WeldReport weld;     ///< of all rounds
   /// What was wrong with the sketch as it came, as diagnose_network() says it: dangling ends, near misses,
   /// overlaps, separate parts.
   std::vector<NetworkFinding> findings;
@@ -40,8 +40,8 @@ struct CleanedSketch {
 };
 
 /// Makes a network of strokes as drawing programs write them: joins strokes that follow each other, leaves
-/// out what is drawn twice, welds what nearly meets (welded()), extends ends to what is in reach, merges nodes
-/// that lie together, and leaves out what no patch can have on its border. Normals are dropped.
+/// out what is drawn twice, welds what nearly meets (welded()), extends ends to what is in reach, merges
+/// nodes that lie together, and leaves out what no patch can have on its border. Normals are dropped.
 /// @throws InvalidInput for options out of range, or as network_topology().
 CleanedSketch clean_sketch(const CurveNetwork& sketch, const SketchCleaningOptions& options = {});
 

@@ -11,7 +11,8 @@ namespace batten {
 
 namespace {
 
-/// Weld tolerances that are tried. Drawing programs miss by 0.1 to 0.5 % of the diameter, hands by up to 1.5 %.
+/// Weld tolerances that are tried. Drawing programs miss by 0.1 to 0.5 % of the diameter, hands by up to 1.5
+/// %.
 constexpr std::array<double, 5> kTolerances{0.005, 0.0075, 0.01, 0.0125, 0.015};
 
 SketchNetwork attempt(const CurveNetwork& sketch, const SketchNetworkOptions& options, double tolerance,

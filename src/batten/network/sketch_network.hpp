@@ -13,8 +13,8 @@ struct SketchNetworkOptions {
   /// As in SketchCleaningOptions; 0 tries several and takes the least with the simplest surface: as few
   /// parts, handles, curves with one patch on both sides, pieces left out and doubtful places as there are.
   double weld_tolerance = 0;
-  double reach = 0.03;   ///< as in SketchCleaningOptions
-  double step = 0.015;   ///< distance of the samples on the curves of the network; 0 keeps those of the sketch
+  double reach = 0.03;  ///< as in SketchCleaningOptions
+  double step = 0.015;  ///< distance of the samples on the curves of the network; 0 keeps those of the sketch
 
   /// The first problem found, naming field and value, or nothing.
   std::optional<std::string> problem() const;

@@ -520,7 +520,8 @@ SurfaceSolver::SurfaceSolver(const CurveNetwork& network, const std::vector<Netw
     for (const NetworkCycle::Loop& loop : cycles[c].loops)
       for (const int v : loop.vertices)
         if (v < 0 || v >= network.positions.rows())
-          throw InvalidInput(concat("cycle ", c, " names vertex ", v, ", but the network has the vertices 0 to ",
+          throw InvalidInput(concat("cycle ", c, " names vertex ", v,
+                                    ", but the network has the vertices 0 to ",
                                     network.positions.rows() - 1));
   implementation_->network = network;
   implementation_->cycles = cycles;
