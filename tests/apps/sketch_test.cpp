@@ -1,5 +1,6 @@
 #include "apps/run_batten.hpp"
 
+#include <cmath>
 #include <filesystem>
 #include <string>
 
@@ -90,7 +91,7 @@ TEST(SurfaceOfSketch, TakesItsOptions) {
 // A lone line has no patch: bad input, in words.
 TEST(SurfaceOfSketch, SaysWhyThereIsNothingToSurface) {
   write_file("line.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nl 1 2 3\n");
-  const Run run = run_batten("surface line.obj -o line.ply");
+  const auto run = run_batten("surface line.obj -o line.ply");
   EXPECT_EQ(run.exit_code, 3);
   EXPECT_NE(run.err.find("no closed cycle"), std::string::npos) << run.err;
   EXPECT_FALSE(file_exists("line.ply"));
