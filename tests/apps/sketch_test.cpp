@@ -55,8 +55,9 @@ TEST(SurfaceOfSketch, ClosesACube) {
   EXPECT_TRUE(file_exists("cube.ply"));
 }
 
-// The last edge stops 0.03 short of its corner, 1.7 % of the diameter: a near miss, named and mended. Stopping
-// 0.3 short it dangles, and what is left of it is left out: two faces become one, with 11 curves around.
+// The last edge stops 0.03 short of its corner, 1.7 % of the diameter: a near miss, named and mended.
+// Stopping 0.3 short it dangles, and what is left of it is left out: two faces become one, with 11 curves
+// around.
 TEST(SurfaceOfSketch, NamesEndsThatMeetNothing) {
   write_file("near.obj", cube_sketch(0.03));
   Json json = surface("near.obj -o near.ply");
@@ -66,7 +67,8 @@ TEST(SurfaceOfSketch, NamesEndsThatMeetNothing) {
   EXPECT_EQ(json["cycles"], 6);
   bool named = false;
   for (const Json& finding : json["diagnosis"])
-    named = named || (finding["defect"] == "near miss" && std::abs(finding["distance"].get<double>() - 0.03) < 1e-6);
+    named = named ||
+            (finding["defect"] == "near miss" && std::abs(finding["distance"].get<double>() - 0.03) < 1e-6);
   EXPECT_TRUE(named) << json["diagnosis"];
   write_file("dangling.obj", cube_sketch(0.3));
   json = surface("dangling.obj -o dangling.ply");
@@ -81,7 +83,8 @@ TEST(SurfaceOfSketch, TakesItsOptions) {
   write_file("gap.obj", cube_sketch(0.03));
   EXPECT_EQ(surface("gap.obj -o gap.ply --reach none")["cycles"], 5);
   EXPECT_EQ(surface("gap.obj -o gap.ply --reach none --weld 0.04")["cycles"], 6);
-  const Json fine = surface("gap.obj -o gap.ply --step 0.02"), coarse = surface("gap.obj -o gap.ply --step 6%");
+  const Json fine = surface("gap.obj -o gap.ply --step 0.02"),
+             coarse = surface("gap.obj -o gap.ply --step 6%");
   EXPECT_GT(fine["vertices"].get<int>(), 4 * coarse["vertices"].get<int>());
   EXPECT_EQ(run_batten("surface gap.obj -o gap.ply --weld nonsense").exit_code, 2);
   EXPECT_EQ(run_batten("surface gap.obj -o gap.ply --weld 0").exit_code, 2);
@@ -97,7 +100,8 @@ TEST(SurfaceOfSketch, SaysWhyThereIsNothingToSurface) {
   EXPECT_FALSE(file_exists("line.ply"));
 }
 
-// The sketches as they are: 20 patches of the trebol, the hole of the torus, and a surface of each of the others.
+// The sketches as they are: 20 patches of the trebol, the hole of the torus, and a surface of each of the
+// others.
 TEST(SurfaceOfSketch, TakesPublicSketches) {
   const std::string folder = std::string(BATTEN_SHARED_DATA) + "/curves/";
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is missing";

@@ -68,8 +68,9 @@ TEST(SurfaceOfASketch, IsNearlyATorusOverItsCircles) {
   EXPECT_EQ(topology.genus(), std::optional<int>(1));
 }
 
-// Three arcs of two edges between two poles: every patch is a quadrangle of the same two poles, and could have
-// the straight line between them for a diagonal. The surface is a sphere, so no edge has three triangles.
+// Three arcs of two edges between two poles: every patch is a quadrangle of the same two poles, and could
+// have the straight line between them for a diagonal. The surface is a sphere, so no edge has three
+// triangles.
 TEST(SurfaceOfASketch, HasNoEdgeOfThreeTriangles) {
   for (const double flat : {0.2, 1.0, 3.0}) {
     samples::NetworkBuilder builder;

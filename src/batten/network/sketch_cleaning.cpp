@@ -30,8 +30,8 @@ const double kSameDirection = std::cos(radians(25));
 constexpr double kOverdraw = 6;
 /// What is left between two overdrawn pieces counts when it is this many tolerances long.
 constexpr double kRest = 3;
-/// Slivers: tolerances along a loop, or along both of two curves between the same nodes, that make no patch.
-constexpr double kShortest = 3;
+/// Weld tolerances along a loop, or along both of two curves between the same nodes, that make no patch.
+constexpr double kShortest = 6;
 
 size_t at(int i) {
   return static_cast<size_t>(i);
@@ -293,7 +293,8 @@ CurveNetwork in_segments(const CurveNetwork& network) {
 
 /// Segments shorter than the tolerance shrink to a node between their ends, and of segments that run beside
 /// each other between the same nodes one is left.
-CurveNetwork without_slivers(const CurveNetwork& network, double tolerance, int& n_dropped) {
+CurveNetwork without_slivers(const CurveNetwork& network, double tolerance, double shortest,
+                             double shortest_loop, int& n_dropped) {
   CurveNetwork pieces = in_segments(network);
   const auto n = static_cast<int>(pieces.positions.rows());
   std::vector<int> parent(at(n));
@@ -325,9 +326,13 @@ CurveNetwork without_slivers(const CurveNetwork& network, double tolerance, int&
     piece.vertices.front() = root(piece.vertices.front());
     piece.vertices.back() = root(piece.vertices.back());
     const int a = piece.vertices.front(), b = piece.vertices.back();
-    // Loops, and pairs between the same nodes, too short to bound a patch with a vertex inside each side.
-    const bool is_short = length_of(pieces, piece.vertices) < kShortest * tolerance;
-    if (a == b && (is_short || piece.vertices.size() < 4)) continue;
+    // Loops, and pairs between the same nodes, too short to bound a patch; a loop has both sides in one.
+    const double length = length_of(pieces, piece.vertices);
+    const bool is_short = length < shortest;
+    if (a == b && (length < shortest_loop || piece.vertices.size() < 4)) {
+      ++n_dropped;
+      continue;
+    }
     std::vector<size_t>& others = between[{std::min(a, b), std::max(a, b)}];
     const auto beside = [&](size_t other) {
       const std::vector<int>& theirs = result[other].vertices;
@@ -342,7 +347,7 @@ CurveNetwork without_slivers(const CurveNetwork& network, double tolerance, int&
     };
     // Twice the tolerance: either may have moved by it.
     const auto as_short = [&](size_t other) {
-      return is_short && length_of(pieces, result[other].vertices) < kShortest * tolerance;
+      return is_short && length_of(pieces, result[other].vertices) < shortest;
     };
     if (std::any_of(others.begin(), others.end(), [&](size_t o) { return as_short(o) || beside(o); })) {
       ++n_dropped;
@@ -460,6 +465,8 @@ std::optional<std::string> SketchCleaningOptions::problem() const {
     return concat("weld_tolerance must be between 0 and 0.2 of the diameter, got ", weld_tolerance);
   if (!(reach >= 0) || !(reach < 0.5))
     return concat("reach must be from 0 to 0.5 of the diameter, got ", reach);
+  if (!(shortest_side >= 0) || !(shortest_side < 0.5))
+    return concat("shortest_side must be from 0 to 0.5 of the diameter, got ", shortest_side);
   return std::nullopt;
 }
 
@@ -531,9 +538,18 @@ CleanedSketch clean_sketch(const CurveNetwork& sketch, const SketchCleaningOptio
     network = with_extended_ends(network, options.reach * diameter, tolerance, result.n_extended_ends);
   network = welded(network, tolerance, &report);
   add(result.weld, report);
-  network = without_slivers(network, 2 * tolerance, result.n_overdrawn);
-  network = without_tails(network, result);
-  result.network = joined_curves(network);
+  const double shortest = std::max(kShortest * tolerance, options.shortest_side * diameter);
+  const double shortest_loop = std::max(shortest, 2 * options.shortest_side * diameter);
+  network = without_slivers(network, 2 * tolerance, shortest, shortest_loop, result.n_overdrawn);
+  network = joined_curves(without_tails(network, result));
+  // What was left out may leave other curves behind that are too short to bound a patch.
+  for (std::size_t before = 0; before != network.curves.size();) {
+    before = network.curves.size();
+    network = without_slivers(network, 0, options.shortest_side * diameter,
+                              2 * options.shortest_side * diameter, result.n_overdrawn);
+    network = joined_curves(without_tails(network, result));
+  }
+  result.network = std::move(network);
   return result;
 }
 

@@ -20,6 +20,9 @@ struct SketchCleaningOptions {
   double weld_tolerance = 0.005;
   /// An end is extended to a stroke this near.
   double reach = 0.03;
+  /// Pairs of curves between the same nodes that are both shorter than this bound no patch, nor do loops
+  /// shorter than twice this; at least six weld tolerances count.
+  double shortest_side = 0;
 
   /// The first problem found, naming field and value, or nothing.
   std::optional<std::string> problem() const;

@@ -22,6 +22,7 @@ SketchNetwork attempt(const CurveNetwork& sketch, const SketchNetworkOptions& op
   SketchCleaningOptions cleaning;
   cleaning.weld_tolerance = tolerance;
   cleaning.reach = options.reach;
+  cleaning.shortest_side = 1.6 * options.step;  // below 1.5 steps a curve has no sample inside
   result.sketch = clean_sketch(sketch, cleaning);
   if (result.sketch.network.curves.empty())
     throw InvalidInput(concat("the ", result.sketch.n_strokes,
@@ -35,11 +36,13 @@ SketchNetwork attempt(const CurveNetwork& sketch, const SketchNetworkOptions& op
   return result;
 }
 
-/// What speaks against an attempt. A part more or a handle more is a place that did not meet.
-int blemishes(const SketchNetwork& attempt) {
-  return network_topology(attempt.network).n_components - 1 + attempt.estimate.n_handles +
-         attempt.estimate.n_one_sided + attempt.sketch.n_left_out +
-         static_cast<int>(attempt.estimate.warnings.size());
+/// What speaks against an attempt, for each of its patches: a part more or a handle more is a place that did
+/// not meet. Without the patches as measure, welding all of a dense network into one node would look best.
+double blemishes(const SketchNetwork& attempt) {
+  const int count = network_topology(attempt.network).n_components - 1 + attempt.estimate.n_handles +
+                    attempt.estimate.n_one_sided + attempt.sketch.n_left_out +
+                    static_cast<int>(attempt.estimate.warnings.size());
+  return static_cast<double>(count) / static_cast<double>(attempt.estimate.cycles.size());
 }
 
 }  // namespace

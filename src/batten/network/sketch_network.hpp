@@ -10,8 +10,9 @@ namespace batten {
 
 /// Options of sketch_network(), as fractions of the diameter.
 struct SketchNetworkOptions {
-  /// As in SketchCleaningOptions; 0 tries several and takes the least with the simplest surface: as few
-  /// parts, handles, curves with one patch on both sides, pieces left out and doubtful places as there are.
+  /// As in SketchCleaningOptions; 0 tries several, from 0.5 to 1.5 % and then below, and takes the first with
+  /// the simplest surface: the fewest parts, handles, curves with one patch on both sides, pieces left out
+  /// and doubtful places for each patch.
   double weld_tolerance = 0;
   double reach = 0.03;  ///< as in SketchCleaningOptions
   double step = 0.015;  ///< distance of the samples on the curves of the network; 0 keeps those of the sketch
