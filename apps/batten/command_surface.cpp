@@ -1,4 +1,5 @@
 #include "command.hpp"
+#include "sketch_stage.hpp"
 #include "surface_stage.hpp"
 
 #include <memory>
@@ -9,10 +10,11 @@ namespace batten::cli {
 
 void add_surface(CLI::App& app) {
   const auto arguments = std::make_shared<SurfaceArguments>();
+  const auto sketch = std::make_shared<SketchArguments>();
   const auto input = std::make_shared<std::string>();
   CLI::App* command =
-      add_command(app, "surface", "Fill a curve network with a fair surface.",
-                  "batten surface net.net -o surface.ply", [arguments, input](Context& context) {
+      add_command(app, "surface", "Fill a curve network, or a sketch without normals, with a fair surface.",
+                  "batten surface net.net -o surface.ply", [arguments, sketch, input](Context& context) {
                     check_surface_output(*arguments);
                     Outcome outcome;
                     CurveNetwork network;
@@ -20,11 +22,14 @@ void add_surface(CLI::App& app) {
                       const ScopedStage stage(outcome.times, "read");
                       network = read_network(*input, &outcome.warnings);
                     }
-                    run_surface_stage(*arguments, network, context, outcome);
+                    std::vector<NetworkCycle> cycles;
+                    if (!network.has_normals()) cycles = run_sketch_stage(*sketch, network, context, outcome);
+                    run_surface_stage(*arguments, network, context, outcome, cycles);
                     return outcome;
                   });
-  command->add_option("network", *input, "Network with normals: .net, .obj or .json")->required();
+  command->add_option("network", *input, "Network or sketch: .net, .obj, .json, .txt or .lop")->required();
   add_surface_options(*command, *arguments);
+  add_sketch_options(*command, *sketch);
 }
 
 }  // namespace batten::cli

@@ -59,7 +59,7 @@ void check_surface_output(const SurfaceArguments& arguments) {
 }
 
 void run_surface_stage(const SurfaceArguments& arguments, const CurveNetwork& network, const Context& context,
-                       Outcome& outcome) {
+                       Outcome& outcome, const std::vector<NetworkCycle>& cycles) {
   SurfaceOptions options;
   options.rebuilds = parse_rebuilds(arguments.rebuilds);
   options.method = chosen_value<SurfaceMethod>(arguments.method,
@@ -78,7 +78,8 @@ void run_surface_stage(const SurfaceArguments& arguments, const CurveNetwork& ne
   if (arguments.edge_length != "auto")
     options.edge_length =
         parse_length(arguments.edge_length).in_file_units(bounding_box_diagonal(network.positions));
-  SurfaceResult surface = surface_network(network, options, context.progress);
+  const SurfaceResult surface = cycles.empty() ? surface_network(network, options, context.progress)
+                                               : surface_network(network, cycles, options, context.progress);
   outcome.times.add(surface.times);
   outcome.warnings.insert(outcome.warnings.end(), surface.warnings.begin(), surface.warnings.end());
   TriangleMesh mesh = without_loose_vertices(surface.mesh);

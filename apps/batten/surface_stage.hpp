@@ -2,6 +2,7 @@
 #include "command.hpp"
 
 #include <string>
+#include <vector>
 
 #include "batten/network/curve_network.hpp"
 
@@ -23,7 +24,8 @@ void check_surface_output(const SurfaceArguments& arguments);
 
 /// Fills the network, checks the mesh and writes it. Figures, lines, warnings, times and the exhibit go to
 /// `outcome`.
+/// @param cycles the patches where they are known; empty: they are found from the normals.
 void run_surface_stage(const SurfaceArguments& arguments, const CurveNetwork& network, const Context& context,
-                       Outcome& outcome);
+                       Outcome& outcome, const std::vector<NetworkCycle>& cycles = {});
 
 }  // namespace batten::cli

@@ -13,6 +13,7 @@
 #include "batten/core/units.hpp"
 #include "batten/mesh/triangle_mesh.hpp"
 #include "batten/network/curve_network.hpp"
+#include "batten/network/cycles_detail.hpp"
 
 namespace batten {
 
@@ -42,12 +43,16 @@ double total_curvature(int n_loops, double turning) {
 
 class CycleFinder {
  public:
-  explicit CycleFinder(const CurveNetwork& network)
-      : network_(network), topology_(network_topology(network)) {}
+  /// @param orders taken as they are; null: from the tangent planes.
+  explicit CycleFinder(const CurveNetwork& network, const detail::NodeOrders* orders = nullptr)
+      : network_(network), topology_(network_topology(network)), orders_(orders) {}
 
   CycleReport find() {
     check_input();
-    order_darts();
+    if (orders_ == nullptr)
+      order_darts();
+    else
+      take_orders();
     trace_orbits();
     join_facing_loops();
     classify();
@@ -185,6 +190,13 @@ class CycleFinder {
       for (std::size_t i = 0; i < around.size(); ++i)
         next_[twin(around[(i + 1) % around.size()].dart)] = around[i].dart;
     }
+  }
+
+  void take_orders() {
+    next_.assign(2 * topology_.segments.size(), -1);
+    for (const std::vector<int>& around : orders_->darts)
+      for (std::size_t i = 0; i < around.size(); ++i)
+        next_[twin(around[(i + 1) % around.size()])] = around[i];
   }
 
   double turning(const std::vector<int>& loop) const {
@@ -345,11 +357,16 @@ class CycleFinder {
                                      std::abs(curvature[g])};
       };
       const std::array<double, 3> l = rank(left), r = rank(right);
-      if (l[0] == 0 && r[0] == 0) {
+      if (orders_ == nullptr && l[0] == 0 && r[0] == 0) {
         // Both sides hold curves that are not tagged. The side whose walk turns the wrong way is outside.
         report_untagged(curvature[left] > curvature[right] ? left : right);
       }
       outside_[l < r ? right : left] = 1;
+    }
+    if (orders_ != nullptr) {
+      for (std::size_t d = 0; d < next_.size(); ++d)
+        if (orders_->outside[d]) outside_[group_[orbit_of_dart_[d]]] = 1;
+      return;
     }
     for (std::size_t g = 0; g < orbits_.size(); ++g)
       if (group_[g] == static_cast<int>(g) && !outside_[g] && curvature[g] > 3 * kPi)
@@ -456,6 +473,7 @@ class CycleFinder {
 
   const CurveNetwork& network_;
   NetworkTopology topology_;
+  const detail::NodeOrders* orders_;
   Points normals_;
   std::vector<Dart> next_;
   std::vector<Orbit> orbits_;
@@ -468,6 +486,10 @@ class CycleFinder {
 
 CycleReport find_cycles(const CurveNetwork& network) {
   return CycleFinder(network).find();
+}
+
+CycleReport detail::collect_cycles(const CurveNetwork& network, const NodeOrders& orders) {
+  return CycleFinder(network, &orders).find();
 }
 
 }  // namespace batten

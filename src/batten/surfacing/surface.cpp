@@ -163,6 +163,7 @@ struct SurfaceSolver::Implementation {
   std::vector<char> border;
   Points positions, normals;  ///< of all vertices, in diameters; normals propagated
   bool metric_from_layout = true;
+  bool cycles_are_given = false;  ///< found from curves alone, so that one that cannot be filled may be wrong
 
   void build(const Progress& progress) {
     check(network, options);
@@ -171,9 +172,11 @@ struct SurfaceSolver::Implementation {
       ScopedStage stage(result.times, "cycles");
       scaled_network = scaled(network);
       check_coincident(network, scaled_network);
-      CycleReport report = find_cycles(network);
-      cycles = std::move(report.cycles);
-      result.warnings = std::move(report.warnings);
+      if (cycles.empty()) {
+        CycleReport report = find_cycles(network);
+        cycles = std::move(report.cycles);
+        result.warnings = std::move(report.warnings);
+      }
       if (const int crowded = calm_crowded_normals(network, scaled_network); crowded > 0)
         result.warnings.push_back(
             concat(crowded,
@@ -218,21 +221,32 @@ struct SurfaceSolver::Implementation {
     for (std::size_t p = 0; p < cycles.size(); ++p) {
       progress.report("tessellation", static_cast<double>(p) / static_cast<double>(cycles.size()));
       std::string warning;
-      if (in_space[p]) {
-        patches.push_back(mesh_patch_in_space(scaled_network, cycles[p], static_cast<int>(p), edge));
-        warning = concat("patch ", p, " (at vertex ", cycles[p].loops.front().vertices.front(),
-                         ") folded over from its plane layout; it was triangulated in space");
-      } else {
-        patches.push_back(
-            mesh_patch(scaled_network, cycles[p], static_cast<int>(p), options.map, edge, warning));
-        in_space[p] = patches.back().layout == PatchLayout::Space;
+      PatchMesh patch;
+      try {
+        if (in_space[p]) {
+          patch = mesh_patch_in_space(scaled_network, cycles[p], static_cast<int>(p), edge);
+          warning = concat("patch ", p, " (at vertex ", cycles[p].loops.front().vertices.front(),
+                           ") folded over from its plane layout; it was triangulated in space");
+        } else {
+          patch = mesh_patch(scaled_network, cycles[p], static_cast<int>(p), options.map, edge, warning);
+          in_space[p] = patch.layout == PatchLayout::Space;
+        }
+      } catch (const InvalidInput& problem) {
+        if (!cycles_are_given || in_space[p]) throw;  // a second layout may fail, the first stands
+        patch = PatchMesh();
+        warning = concat(problem.what(), "; it was left open");
       }
+      patches.push_back(std::move(patch));
       if (!warning.empty()) warnings.push_back(warning);
       result.patches_in_space += in_space[p];
-      n += patches.back().n_inner;
-      m += patches.back().triangles.rows();
+    }
+    detail::split_shared_inner_edges(patches, cycles);
+    for (const PatchMesh& patch : patches) {
+      n += patch.n_inner;
+      m += patch.triangles.rows();
     }
     patch_warnings = std::move(warnings);
+    if (m == 0) throw InvalidInput(patch_warnings.front());
     triangles.resize(m, 3);
     layout_lengths.resize(m, 3);
     result.patch_of_triangle.assign(static_cast<std::size_t>(m), 0);
@@ -498,6 +512,23 @@ SurfaceSolver::SurfaceSolver(const CurveNetwork& network, const SurfaceOptions& 
   implementation_->options = options;
   implementation_->build(progress);
 }
+SurfaceSolver::SurfaceSolver(const CurveNetwork& network, const std::vector<NetworkCycle>& cycles,
+                             const SurfaceOptions& options, const Progress& progress)
+    : implementation_(std::make_unique<Implementation>()) {
+  if (cycles.empty()) throw InvalidInput("there is no cycle to fill");
+  for (std::size_t c = 0; c < cycles.size(); ++c)
+    for (const NetworkCycle::Loop& loop : cycles[c].loops)
+      for (const int v : loop.vertices)
+        if (v < 0 || v >= network.positions.rows())
+          throw InvalidInput(concat("cycle ", c, " names vertex ", v,
+                                    ", but the network has the vertices 0 to ",
+                                    network.positions.rows() - 1));
+  implementation_->network = network;
+  implementation_->cycles = cycles;
+  implementation_->cycles_are_given = true;
+  implementation_->options = options;
+  implementation_->build(progress);
+}
 SurfaceSolver::~SurfaceSolver() = default;
 SurfaceSolver::SurfaceSolver(SurfaceSolver&&) noexcept = default;
 SurfaceSolver& SurfaceSolver::operator=(SurfaceSolver&&) noexcept = default;
@@ -547,6 +578,11 @@ const SurfaceResult& SurfaceSolver::move(const Points& positions, const Points& 
 SurfaceResult surface_network(const CurveNetwork& network, const SurfaceOptions& options,
                               const Progress& progress) {
   return SurfaceSolver(network, options, progress).result();
+}
+
+SurfaceResult surface_network(const CurveNetwork& network, const std::vector<NetworkCycle>& cycles,
+                              const SurfaceOptions& options, const Progress& progress) {
+  return SurfaceSolver(network, cycles, options, progress).result();
 }
 
 }  // namespace batten

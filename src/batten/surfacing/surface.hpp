@@ -66,12 +66,21 @@ struct SurfaceResult {
 SurfaceResult surface_network(const CurveNetwork& network, const SurfaceOptions& options = {},
                               const Progress& progress = {});
 
+/// The same with patches that are known, as estimate_cycles() gives them: normals only shape the surface.
+/// A patch that cannot be filled is left open and told in the warnings, as long as another can.
+/// @throws InvalidInput also when a cycle names a vertex that the network does not have.
+SurfaceResult surface_network(const CurveNetwork& network, const std::vector<NetworkCycle>& cycles,
+                              const SurfaceOptions& options = {}, const Progress& progress = {});
+
 /// The same, kept for further solves: build once, then move the curves or turn their normals many times.
 class SurfaceSolver {
  public:
   /// Does what surface_network() does and keeps the triangles, the metric and the factors.
   SurfaceSolver(const CurveNetwork& network, const SurfaceOptions& options = {},
                 const Progress& progress = {});
+  /// The same with patches that are known.
+  SurfaceSolver(const CurveNetwork& network, const std::vector<NetworkCycle>& cycles,
+                const SurfaceOptions& options = {}, const Progress& progress = {});
   ~SurfaceSolver();
   SurfaceSolver(SurfaceSolver&&) noexcept;
   SurfaceSolver& operator=(SurfaceSolver&&) noexcept;

@@ -1,0 +1,123 @@
+#include "apps/run_batten.hpp"
+
+#include <cmath>
+#include <filesystem>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+namespace batten::test {
+namespace {
+
+using Json = nlohmann::json;
+
+/// The edges of a cube as OBJ lines; every edge has vertices of its own, as drawing programs write them.
+/// @param shorter the last edge ends this much before its corner.
+std::string cube_sketch(double shorter) {
+  std::string text;
+  int next = 1, edges = 0;
+  for (int a = 0; a < 8; ++a)
+    for (int axis = 0; axis < 3; ++axis) {
+      if ((a & (1 << axis)) != 0) continue;
+      const double reach = ++edges == 12 ? 1 - shorter : 1;
+      for (int k = 0; k <= 10; ++k) {
+        text += "v";
+        for (int i = 0; i < 3; ++i)
+          text += " " + std::to_string(i == axis ? reach * k / 10 : (a & (1 << i)) != 0 ? 1.0 : 0.0);
+        text += "\n";
+        if (k > 0) text += "l " + std::to_string(next - 1) + " " + std::to_string(next) + "\n";
+        ++next;
+      }
+    }
+  return text;
+}
+
+Json surface(const std::string& arguments) {
+  const Run run = run_batten("surface " + arguments + " --json");
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  return Json::parse(run.out, nullptr, false);
+}
+
+// A cube: 12 strokes, 8 nodes, 6 patches, closed, no handle.
+TEST(SurfaceOfSketch, ClosesACube) {
+  write_file("cube.obj", cube_sketch(0));
+  const Json json = surface("cube.obj -o cube.ply");
+  EXPECT_EQ(json["strokes"], 12);
+  EXPECT_EQ(json["nodes"], 8);
+  EXPECT_EQ(json["segments"], 12);
+  EXPECT_EQ(json["cycles"], 6);
+  EXPECT_EQ(json["dangling_ends"], 0);
+  EXPECT_EQ(json["near_misses"], 0);
+  EXPECT_EQ(json["components"], 1);
+  EXPECT_EQ(json["genus"], 0);
+  EXPECT_EQ(json["watertight"], true);
+  EXPECT_TRUE(file_exists("cube.ply"));
+}
+
+// The last edge stops 0.03 short of its corner, 1.7 % of the diameter: a near miss, named and mended.
+// Stopping 0.3 short it dangles, and what is left of it is left out: two faces become one, with 11 curves
+// around.
+TEST(SurfaceOfSketch, NamesEndsThatMeetNothing) {
+  write_file("near.obj", cube_sketch(0.03));
+  Json json = surface("near.obj -o near.ply");
+  EXPECT_EQ(json["near_misses"], 1);
+  EXPECT_EQ(json["dangling_ends"], 0);
+  EXPECT_EQ(json["extended_ends"], 1);
+  EXPECT_EQ(json["cycles"], 6);
+  bool named = false;
+  for (const Json& finding : json["diagnosis"])
+    named = named ||
+            (finding["defect"] == "near miss" && std::abs(finding["distance"].get<double>() - 0.03) < 1e-6);
+  EXPECT_TRUE(named) << json["diagnosis"];
+  write_file("dangling.obj", cube_sketch(0.3));
+  json = surface("dangling.obj -o dangling.ply");
+  EXPECT_EQ(json["dangling_ends"], 1);
+  EXPECT_EQ(json["left_out"], 1);
+  EXPECT_EQ(json["cycles"], 5);
+  EXPECT_EQ(json["genus"], 0);
+}
+
+// The options reach their places; lengths may be relative or in the unit of the file.
+TEST(SurfaceOfSketch, TakesItsOptions) {
+  write_file("gap.obj", cube_sketch(0.03));
+  EXPECT_EQ(surface("gap.obj -o gap.ply --reach none")["cycles"], 5);
+  EXPECT_EQ(surface("gap.obj -o gap.ply --reach none --weld 0.04")["cycles"], 6);
+  const Json fine = surface("gap.obj -o gap.ply --step 0.02"),
+             coarse = surface("gap.obj -o gap.ply --step 6%");
+  EXPECT_GT(fine["vertices"].get<int>(), 4 * coarse["vertices"].get<int>());
+  EXPECT_EQ(run_batten("surface gap.obj -o gap.ply --weld nonsense").exit_code, 2);
+  EXPECT_EQ(run_batten("surface gap.obj -o gap.ply --weld 0").exit_code, 2);
+  EXPECT_EQ(run_batten("surface gap.obj -o gap.ply --step -1").exit_code, 2);
+}
+
+// A lone line has no patch: bad input, in words.
+TEST(SurfaceOfSketch, SaysWhyThereIsNothingToSurface) {
+  write_file("line.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nl 1 2 3\n");
+  const auto run = run_batten("surface line.obj -o line.ply");
+  EXPECT_EQ(run.exit_code, 3);
+  EXPECT_NE(run.err.find("no closed cycle"), std::string::npos) << run.err;
+  EXPECT_FALSE(file_exists("line.ply"));
+}
+
+// The sketches as they are: 20 patches of the trebol, the hole of the torus, and a surface of each of the
+// others.
+TEST(SurfaceOfSketch, TakesPublicSketches) {
+  const std::string folder = std::string(BATTEN_SHARED_DATA) + "/curves/";
+  if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is missing";
+  const Json trebol = surface(folder + "sketch_trebol_flowrep.obj -o trebol.ply");
+  EXPECT_EQ(trebol["cycles"], 20);
+  EXPECT_EQ(trebol["watertight"], true);
+  const Json torus = surface(folder + "sketch_torus.obj -o torus.ply");
+  EXPECT_EQ(torus["cycles"], 16);
+  EXPECT_EQ(torus["genus"], 1);
+  for (const char* name : {"bathtub", "box", "car", "dress", "gamepad", "guitar", "spherecylinder"}) {
+    const std::string file = std::string(name) + ".ply";
+    const Json json = surface(folder + "sketch_" + name + ".obj -o " + file);
+    EXPECT_GT(json["faces"].get<int>(), 1000) << name;
+    EXPECT_TRUE(file_exists(file));
+  }
+}
+
+}  // namespace
+}  // namespace batten::test
