@@ -268,11 +268,13 @@ class Remesher {
     const HalfedgeMesh::Compact compact = state_->mesh.compacted();
     std::vector<char> fixed;
     for (const int v : compact.vertices) fixed.push_back(state_->is_free(v) ? 0 : 1);
-    const Points fit = fitted_to_surface(compact.positions, compact.triangles, fixed, reference_->positions,
-                                         reference_->triangles);
+    const ReferenceSamples reference = sample_reference(compact.positions, compact.triangles,
+                                                  reference_->positions, reference_->triangles);
+    const Points fit = fitted_to_surface(compact.positions, compact.triangles, fixed, reference);
     for (std::size_t v = 0; v < compact.vertices.size(); ++v)
       state_->mesh.set_position(compact.vertices[v], fit.row(static_cast<Eigen::Index>(v)));
-    fit_normals(*state_, features_, reference_->positions, reference_->triangles, {}, progress_);
+    fit_normals(*state_, features_, reference_->positions, reference_->triangles, reference, {},
+                progress_);
   }
 
   RemeshOptions options_;
