@@ -46,8 +46,9 @@ ReferenceSamples sample_reference(const Points& positions, const Triangles& tria
     area += 0.5 * (b - a).cross(c - a).norm();
   }
   ReferenceSamples result;
-  result.samples = area_samples(reference_positions, reference_triangles,
-                                area / (4.0 * static_cast<double>(std::max<Eigen::Index>(1, triangles.rows()))));
+  result.samples =
+      area_samples(reference_positions, reference_triangles,
+                   area / (4.0 * static_cast<double>(std::max<Eigen::Index>(1, triangles.rows()))));
   Points points(static_cast<Eigen::Index>(result.samples.size()), 3);
   for (std::size_t s = 0; s < result.samples.size(); ++s)
     points.row(static_cast<Eigen::Index>(s)) = result.samples[s].point;

@@ -19,8 +19,8 @@ struct AreaSample {
 /// ones, the least k for which pieces are at most `largest`. Triangles without area get none.
 std::vector<AreaSample> area_samples(const Points& positions, const Triangles& triangles, double largest);
 
-/// A reference surface as a mesh sees it: points spread over the reference, and for each the point of the mesh
-/// that is nearest.
+/// A reference surface as a mesh sees it: points spread over the reference, and for each the point of the
+/// mesh that is nearest.
 struct ReferenceSamples {
   std::vector<AreaSample> samples;
   std::vector<ClosestPoint> nearest;  ///< one per sample; elements are triangles of the mesh

@@ -16,8 +16,8 @@ constexpr int kNone = HalfedgeMesh::kNone;
 constexpr double kFairSine = 0.2588;
 using Eigen::Vector3d;
 
-/// The sine of the smallest angle, which lies between the two longest sides; 0 without area. It grows with the
-/// angle, which is at most 60°.
+/// The sine of the smallest angle, which lies between the two longest sides; 0 without area. It grows with
+/// the angle, which is at most 60°.
 double smallest_sine(const Vector3d& a, const Vector3d& b, const Vector3d& c) {
   const Vector3d u = b - a, v = c - b, w = a - c;
   const double squared = u.cross(v).squaredNorm();

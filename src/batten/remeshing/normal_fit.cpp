@@ -31,6 +31,9 @@ constexpr double kSameSide = 0.5;
 constexpr double kGain = 20;
 /// Edges of the reference that turn by more than this are worth a vertex on them.
 constexpr double kCreaseAngle = radians(4.0);
+/// Around a vertex with a smaller mean error of the normals (and distances), radians, there is nothing to
+/// fit.
+constexpr double kExact = 1e-3;
 
 Vector3d cross(const Vector3d& u, const Vector3d& v) {
   return {u.y() * v.z() - u.z() * v.y(), u.z() * v.x() - u.x() * v.z(), u.x() * v.y() - u.y() * v.x()};
@@ -113,7 +116,8 @@ class NormalFit {
   }
 
   int run(const Progress& progress) {
-    std::vector<char> changed(mesh_.vertex_capacity(), 1);
+    std::vector<char> changed(mesh_.vertex_capacity(), kChanged);
+    exact_.assign(mesh_.vertex_capacity(), 0);
     shape_ = options_.shape;
     int total = 0;
     for (int round = 0; round < options_.rounds; ++round) {
@@ -127,7 +131,8 @@ class NormalFit {
           count += try_flip(h) ? 1 : 0;
         }
       for (const int v : vertices_)
-        if (changed[v] != 0 || next_[v] != 0) count += try_moves(v) ? 1 : 0;
+        if (changed[v] == kChanged || next_[v] != 0 || (changed[v] == kReweighted && exact_[v] == 0))
+          count += try_moves(v) ? 1 : 0;
       total += count;
       const double excess = mean_smallest_angle() - options_.mean_angle;
       // The weight of the shape follows the angles: as low as they allow. All is looked at again where it
@@ -135,8 +140,9 @@ class NormalFit {
       const double factor = std::clamp(std::exp(-kGain * excess), 0.4, 2.5);
       shape_ = std::min(shape_ * factor, options_.shape);
       changed.swap(next_);
+      // A lower weight alone is no news where nothing is left to fit.
       if (std::abs(factor - 1) > 0.25)
-        std::fill(changed.begin(), changed.end(), 1);
+        for (char& mark : changed) mark = mark == kChanged || factor > 1 ? kChanged : kReweighted;
       else if (count == 0)
         break;
     }
@@ -144,6 +150,9 @@ class NormalFit {
   }
 
  private:
+  /// Why a vertex is looked at again: something around it changed, or only the weight of the shape.
+  static constexpr char kChanged = 1, kReweighted = 2;
+
   /// A triangle around the vertex: its two other corners and the sector between feature edges that it is in.
   struct Spoke {
     Vector3d b, c, normal;
@@ -208,6 +217,8 @@ class NormalFit {
     for (std::size_t k = 0; k < spokes_.size(); ++k)
       for (const int s : of_face_[spokes_[k].face])
         ring_samples_.push_back({samples_[s], s, static_cast<int>(k)});
+    ring_area_ = 0;
+    for (const RingSample& entry : ring_samples_) ring_area_ += entry.sample.area;
     has_sectors_ = false;
     for (const Spoke& spoke : spokes_) has_sectors_ = has_sectors_ || spoke.sector != spokes_[0].sector;
   }
@@ -233,7 +244,7 @@ class NormalFit {
 
   /// The sum over the triangles around v with v at x; infinite where a triangle would be bad.
   /// @param least_sine of the smallest angles. @param bound above it the sum is of no interest: infinite is
-  /// returned. Leaves the triangles in trials_.
+  /// returned. Leaves the triangles in trials_, and in ring_shape_ what their shapes cost.
   double ring_cost(const Vector3d& x, double length, double least_sine, double bound) {
     const std::size_t m = spokes_.size();
     trials_.resize(m);
@@ -254,6 +265,7 @@ class NormalFit {
       trial.before_c = cross(w, trial.normal);
       cost += shape_cost(sine, length);
     }
+    ring_shape_ = cost;
     for (const RingSample& entry : ring_samples_) {
       if (cost > bound) return kInfinity;
       const Vector3d p = entry.sample.point - x;
@@ -281,6 +293,7 @@ class NormalFit {
     const double least = std::min(least_sine_of_ring(v) - 1e-12, std::sin(options_.least_angle));
     const double before = ring_cost(x, length, least, kInfinity);
     if (!(before < kInfinity)) return false;
+    exact_[v] = before - ring_shape_ <= kExact * ring_area_ ? 1 : 0;
     double best = before * (1 - 1e-6) - 1e-12 * length * length;
     Vector3d best_place = x;
     double best_arc = 0;
@@ -301,7 +314,8 @@ class NormalFit {
             std::abs(chain.lengths[k] - state_.place[v]) < 0.5 * length)
           consider(chain.points[k], chain.lengths[k]);
     } else {
-      try_free_places(x, length, consider);
+      if (exact_[v] == 0) try_free_places(x, length, consider);
+      try_middle(x, consider);
     }
     if (best_place == x) return false;
     ring_cost(best_place, length, least, kInfinity);  // for its triangles
@@ -310,33 +324,34 @@ class NormalFit {
     for (const Spoke& spoke : spokes_) of_face_[spoke.face].clear();
     for (const RingSample& entry : ring_samples_)
       of_face_[spokes_[spoke_of(entry, entry.sample.point - best_place)].face].push_back(entry.number);
-    next_[v] = 1;
-    mesh_.for_each_neighbour(v, [&](int u) { next_[u] = 1; });
+    next_[v] = kChanged;
+    mesh_.for_each_neighbour(v, [&](int u) { next_[u] = kChanged; });
     return true;
   }
 
   template <typename Consider>
   void try_free_places(const Vector3d& x, double length, Consider&& consider) {
-    // Vertices of the reference around.
     near_.clear();
     feet_.clear();
     Matrix3d A = Matrix3d::Zero();
     Vector3d right = Vector3d::Zero();
     double area = 0;
     const double reach = 0.36 * length * length;
-    int last_triangle = -1;
-    for (const RingSample& entry : ring_samples_) {
-      const AreaSample& sample = entry.sample;
-      A += sample.area * sample.normal * sample.normal.transpose();
-      right += sample.area * sample.normal.dot(sample.point - x) * sample.normal;
-      area += sample.area;
-      if (sample.triangle == last_triangle) continue;  // mostly they come together
-      last_triangle = sample.triangle;
+    for (std::size_t i = 0; i < ring_samples_.size();) {
+      // Samples of a triangle mostly come together, and have one plane.
+      const AreaSample& sample = ring_samples_[i].sample;
+      double piece = 0;
+      for (; i < ring_samples_.size() && ring_samples_[i].sample.triangle == sample.triangle; ++i)
+        piece += ring_samples_[i].sample.area;
+      const Vector3d weighted = piece * sample.normal;
+      A += weighted * sample.normal.transpose();
+      right += sample.normal.dot(sample.point - x) * weighted;
+      area += piece;
       std::array<Vector3d, 3> corners;
       for (int k = 0; k < 3; ++k) {
         corners[k] = X_.row(T_(sample.triangle, k));
         const double squared = (corners[k] - x).squaredNorm();
-        if (squared > 0 && squared < reach) near_.push_back({squared, T_(sample.triangle, k)});
+        if (squared > 0 && squared < reach) near_.offer({squared, T_(sample.triangle, k), corners[k]});
       }
       for (int k = 0; k < 3; ++k) {
         if (creases_[sample.triangle][k] == 0) continue;
@@ -345,25 +360,19 @@ class NormalFit {
         if (!(along > 0 && along < 1)) continue;
         const Vector3d foot = a + along * side;
         const double apart = (foot - x).squaredNorm();
-        if (apart > 0 && apart < reach) feet_.push_back({apart, foot});
+        if (apart > 0 && apart < reach) feet_.offer({apart, 0, foot});
       }
     }
-    // An edge is seen from both of its triangles, and from every sample.
-    std::sort(feet_.begin(), feet_.end(), [](const Foot& a, const Foot& b) { return a.squared < b.squared; });
-    double last = -1;
-    for (std::size_t i = 0, tried = 0; i < feet_.size() && tried < 2; ++i) {
-      if (feet_[i].squared <= last * (1 + 1e-9)) continue;
-      last = feet_[i].squared;
-      consider(feet_[i].point, 0);
-      ++tried;
-    }
-    std::sort(near_.begin(), near_.end());
-    near_.erase(std::unique(near_.begin(), near_.end()), near_.end());
-    for (std::size_t i = 0; i < std::min<std::size_t>(3, near_.size()); ++i)
-      consider(X_.row(near_[i].second), 0);
+    for (int i = 0; i < feet_.size; ++i) consider(feet_.places[i].point, 0);
+    for (int i = 0; i < near_.size; ++i) consider(near_.places[i].point, 0);
     // Where the planes meet: the weak pull to x decides along directions that they leave open.
     A.diagonal().array() += 1e-3 * area;
     consider(x + A.ldlt().solve(right), 0);
+  }
+
+  /// Half the way to the middle of the neighbours, in the surface.
+  template <typename Consider>
+  void try_middle(const Vector3d& x, Consider&& consider) {
     Vector3d middle = Vector3d::Zero(), normal = Vector3d::Zero();
     for (const Spoke& spoke : spokes_) {
       middle += spoke.b;
@@ -433,13 +442,38 @@ class NormalFit {
     const int face_of_u = mesh_.tip(h) == u ? f : g;
     of_face_[face_of_u].swap(first_);
     of_face_[face_of_u == f ? g : f].swap(second_);
-    for (const int vertex : {u, v, w, z}) next_[vertex] = 1;
+    for (const int vertex : {u, v, w, z}) next_[vertex] = kChanged;
     return true;
   }
 
-  struct Foot {
-    double squared;
+  struct Place {
+    double squared;  ///< distance from the vertex
+    int number;      ///< tells apart places at the same distance
     Vector3d point;
+  };
+  /// The nearest `n` different places of those offered, nearest first. Places as far as another up to
+  /// rounding, with the same number, are the same: an edge is seen from both of its triangles.
+  template <int n>
+  struct Nearest {
+    std::array<Place, n> places;
+    int size = 0;
+
+    void clear() { size = 0; }
+    void offer(const Place& place) {
+      int at = size;
+      while (at > 0 && before(place, places[at - 1])) --at;
+      if (at == n || (at > 0 && same(places[at - 1], place)) || (at < size && same(place, places[at])))
+        return;
+      if (size < n) ++size;
+      for (int i = size - 1; i > at; --i) places[i] = places[i - 1];
+      places[at] = place;
+    }
+    static bool before(const Place& a, const Place& b) {
+      return a.squared != b.squared ? a.squared < b.squared : a.number < b.number;
+    }
+    static bool same(const Place& a, const Place& b) {
+      return a.number == b.number && b.squared <= a.squared * (1 + 1e-9);
+    }
   };
 
   RemeshState& state_;
@@ -448,27 +482,30 @@ class NormalFit {
   const Points& X_;
   const Triangles& T_;
   NormalFitOptions options_;
-  double shape_ = 0;  ///< the weight now
+  double shape_ = 0;                   ///< the weight now
   std::vector<int> vertices_, faces_;  ///< in an order that keeps neighbours together
   std::vector<AreaSample> samples_;
   std::vector<std::vector<int>> of_face_;  ///< samples per face
   std::vector<char> next_;                 ///< per vertex: to be looked at again
+  std::vector<char> exact_;                ///< per vertex: nothing was left to fit when last looked at
   std::vector<Spoke> spokes_;
   std::vector<RingSample> ring_samples_;
   bool has_sectors_ = false;  ///< whether feature edges part the spokes
+  double ring_area_ = 0;      ///< of the samples
+  double ring_shape_ = 0;     ///< of the last ring_cost()
   std::vector<Trial> trials_;
   std::vector<int> first_, second_;
   std::vector<int> valence_;  ///< per vertex
-  std::vector<std::pair<double, int>> near_;
-  std::vector<Foot> feet_;
+  Nearest<3> near_;           ///< vertices of the reference
+  Nearest<2> feet_;           ///< points on its creases
   std::vector<std::array<char, 3>> creases_;
 };
 
 }  // namespace
 
 int fit_normals(RemeshState& state, const FeatureChains& features, const Points& reference_positions,
-                const Triangles& reference_triangles, const ReferenceSamples& reference, const NormalFitOptions& options,
-                const Progress& progress) {
+                const Triangles& reference_triangles, const ReferenceSamples& reference,
+                const NormalFitOptions& options, const Progress& progress) {
   if (options.rounds == 0) return 0;
   return NormalFit(state, features, reference_positions, reference_triangles, reference, options)
       .run(progress);

@@ -19,7 +19,7 @@ struct NormalFitOptions {
   /// No move makes a smallest angle less than this (or than it was), radians.
   double least_angle = 0.6;
   /// Rounds over all vertices and edges, at least 0; a round looks only at what changed in the last.
-  int rounds = 5;
+  int rounds = 6;
 };
 
 /// Moves vertices and turns edges where the triangles then have normals nearer to those of the reference, at
@@ -35,7 +35,6 @@ struct NormalFitOptions {
 /// @return the number of moves and turns.
 int fit_normals(RemeshState& state, const FeatureChains& features, const Points& reference_positions,
                 const Triangles& reference_triangles, const ReferenceSamples& reference,
-                const NormalFitOptions& options = {},
-                const Progress& progress = {});
+                const NormalFitOptions& options = {}, const Progress& progress = {});
 
 }  // namespace batten
