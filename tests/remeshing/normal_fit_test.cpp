@@ -39,7 +39,9 @@ Fitted fitted(int n, int m, const Surface& surface, const NormalFitOptions& opti
   Fitted result;
   result.before.positions = coarse.positions;
   result.before.triangles = coarse.triangles;
-  result.moves = fit_normals(state, features, fine.positions, fine.triangles, options);
+  result.moves = fit_normals(
+      state, features, fine.positions, fine.triangles,
+      sample_reference(coarse.positions, coarse.triangles, fine.positions, fine.triangles), options);
   EXPECT_EQ(state.mesh.breach(), "");
   const HalfedgeMesh::Compact compact = state.mesh.compacted();
   result.after.positions = compact.positions;

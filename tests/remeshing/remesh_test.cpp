@@ -205,7 +205,8 @@ TEST(FeatureChains, FindsTheEdgesOfACube) {
 // Diffusion moves area, it makes none; with one curvature everywhere it evens areas out.
 TEST(RegularizedAreas, KeepTheTotalAndBecomeMoreEven) {
   const TriangleMesh input = cube(6);
-  const SparseMatrix K = clamped_stiffness(input.positions, input.triangles);
+  const SparseMatrix K = clamped_stiffness(input.triangles, edge_lengths(input.positions, input.triangles),
+                                           input.positions.rows());
   Random random(9);
   Eigen::VectorXd areas(input.n_vertices());
   for (Eigen::Index v = 0; v < areas.size(); ++v) areas[v] = 1 + random.uniform();

@@ -12,6 +12,7 @@
 #include "batten/core/error.hpp"
 #include "batten/core/parallel.hpp"
 #include "batten/core/text.hpp"
+#include "batten/mesh/spatial_order.hpp"
 
 namespace batten {
 
@@ -372,13 +373,15 @@ struct Search {
         continue;
       }
       const Node& node = tree.nodes[entry.child];
-      double distance[kWidth];
-      for (int i = 0; i < kWidth; ++i) {
-        const double x = std::max({node.low[0][i] - q[0], q[0] - node.high[0][i], 0.0});
-        const double y = std::max({node.low[1][i] - q[1], q[1] - node.high[1][i], 0.0});
-        const double z = std::max({node.low[2][i] - q[2], q[2] - node.high[2][i], 0.0});
-        distance[i] = x * x + y * y + z * z;
+      // As arrays of Eigen, which come out as instructions on several numbers at a time.
+      using Four = Eigen::Array<double, kWidth, 1>;
+      Four squared = Four::Zero();
+      for (int k = 0; k < 3; ++k) {
+        const Eigen::Map<const Four> low(node.low[k]), high(node.high[k]);
+        squared += (low - q[k]).max(q[k] - high).max(0.0).square();
       }
+      double distance[kWidth];
+      Eigen::Map<Four>{distance} = squared;
       const int base = top;
       for (int i = 0; i < kWidth; ++i) {
         if (node.count[i] < 0 || distance[i] > best * kTieMargin) continue;
@@ -407,34 +410,6 @@ struct Search {
   std::vector<ClosestPoint> closest(const Points& queries) const;
 };
 
-/// Bits of x spread to every third place: the building block of the Morton code.
-std::uint64_t spread_bits(std::uint64_t x) {
-  x &= 0x1fffff;
-  x = (x | x << 32) & 0x1f00000000ffffULL;
-  x = (x | x << 16) & 0x1f0000ff0000ffULL;
-  x = (x | x << 8) & 0x100f00f00f00f00fULL;
-  x = (x | x << 4) & 0x10c30c30c30c30c3ULL;
-  return (x | x << 2) & 0x1249249249249249ULL;
-}
-
-/// The rows along a space-filling curve, so that neighbouring queries visit the same nodes.
-std::vector<std::int32_t> spatial_order(const Points& points) {
-  const Eigen::RowVector3d low = points.colwise().minCoeff();
-  const double extent = (points.colwise().maxCoeff() - low).maxCoeff();
-  const double scale = extent > 0 ? 1023 / extent : 0;
-  std::vector<std::pair<std::uint64_t, std::int32_t>> keys(points.rows());
-  for (Eigen::Index i = 0; i < points.rows(); ++i) {
-    std::uint64_t key = 0;
-    for (int k = 0; k < 3; ++k)
-      key |= spread_bits(static_cast<std::uint64_t>((points(i, k) - low[k]) * scale)) << k;
-    keys[i] = {key, static_cast<std::int32_t>(i)};
-  }
-  std::sort(keys.begin(), keys.end());
-  std::vector<std::int32_t> order(keys.size());
-  for (std::size_t i = 0; i < keys.size(); ++i) order[i] = keys[i].second;
-  return order;
-}
-
 template <typename Element>
 std::vector<ClosestPoint> Search<Element>::closest(const Points& queries) const {
   for (Eigen::Index i = 0; i < queries.rows(); ++i)
@@ -442,7 +417,7 @@ std::vector<ClosestPoint> Search<Element>::closest(const Points& queries) const 
       throw InvalidInput(concat("point ", i, " has a coordinate that is not finite"));
   std::vector<ClosestPoint> results(queries.rows());
   if (results.empty()) return results;
-  const std::vector<std::int32_t> order = spatial_order(queries);
+  const std::vector<int> order = spatial_order(queries);
   parallel_for(queries.rows(), 512, [&](Eigen::Index begin, Eigen::Index end) {
     std::int32_t previous = -1;  // the neighbour's element is a good first bound
     for (Eigen::Index k = begin; k < end; ++k) {

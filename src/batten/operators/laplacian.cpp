@@ -11,6 +11,26 @@ namespace batten {
 
 namespace {
 
+struct MatrixEntry {
+  int row;
+  double value;
+};
+
+/// Stable. A vertex has a dozen entries: std::stable_sort would ask for memory at every one.
+void sort_by_row(MatrixEntry* first, MatrixEntry* last) {
+  const auto before = [](const MatrixEntry& a, const MatrixEntry& b) { return a.row < b.row; };
+  if (last - first > 64) {
+    std::stable_sort(first, last, before);
+    return;
+  }
+  for (MatrixEntry* next = first; next != last; ++next) {
+    const MatrixEntry entry = *next;
+    MatrixEntry* place = next;
+    for (; place != first && before(entry, *(place - 1)); --place) *place = *(place - 1);
+    *place = entry;
+  }
+}
+
 /// Symmetric matrix of n rows with zero row sums and the off-diagonal −weight(h) added at both ends of every
 /// half-edge h = 3f + k. Built by counting, without triplets: assembly is a visible part of surfacing.
 template <typename Weight>
@@ -26,10 +46,7 @@ SparseMatrix graph_matrix(const Triangles& triangles, Eigen::Index n, const Weig
       start[v + 1] += 2;
     }
   for (Eigen::Index v = 0; v < n; ++v) start[v + 1] += start[v];
-  struct Entry {
-    int row;
-    double value;
-  };
+  using Entry = MatrixEntry;
   std::vector<Entry> entries(6 * static_cast<std::size_t>(m));
   std::vector<int> fill(start.begin(), start.end() - 1);
   for (Eigen::Index f = 0; f < m; ++f)
@@ -44,7 +61,7 @@ SparseMatrix graph_matrix(const Triangles& triangles, Eigen::Index n, const Weig
   for (Eigen::Index v = 0; v < n; ++v) {
     Entry* const first = entries.data() + start[v];
     Entry* const last = entries.data() + start[v + 1];
-    std::stable_sort(first, last, [](const Entry& a, const Entry& b) { return a.row < b.row; });
+    sort_by_row(first, last);
     Entry* out = first;
     for (Entry* e = first; e != last; ++e)
       if (out != first && (out - 1)->row == e->row)

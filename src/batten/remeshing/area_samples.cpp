@@ -36,4 +36,24 @@ std::vector<AreaSample> area_samples(const Points& positions, const Triangles& t
   return samples;
 }
 
+ReferenceSamples sample_reference(const Points& positions, const Triangles& triangles,
+                                  const Points& reference_positions, const Triangles& reference_triangles) {
+  using Eigen::Vector3d;
+  double area = 0;
+  for (Eigen::Index f = 0; f < triangles.rows(); ++f) {
+    const Vector3d a = positions.row(triangles(f, 0)), b = positions.row(triangles(f, 1)),
+                   c = positions.row(triangles(f, 2));
+    area += 0.5 * (b - a).cross(c - a).norm();
+  }
+  ReferenceSamples result;
+  result.samples =
+      area_samples(reference_positions, reference_triangles,
+                   area / (4.0 * static_cast<double>(std::max<Eigen::Index>(1, triangles.rows()))));
+  Points points(static_cast<Eigen::Index>(result.samples.size()), 3);
+  for (std::size_t s = 0; s < result.samples.size(); ++s)
+    points.row(static_cast<Eigen::Index>(s)) = result.samples[s].point;
+  result.nearest = TriangleTree(positions, triangles).closest(points);
+  return result;
+}
+
 }  // namespace batten

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 
 #include "batten/core/arrays.hpp"
+#include "batten/mesh/distance.hpp"
 
 namespace batten {
 
@@ -17,5 +18,18 @@ struct AreaSample {
 /// Points spread over a surface by area: the centres of the pieces when every triangle is cut into k² equal
 /// ones, the least k for which pieces are at most `largest`. Triangles without area get none.
 std::vector<AreaSample> area_samples(const Points& positions, const Triangles& triangles, double largest);
+
+/// A reference surface as a mesh sees it: points spread over the reference, and for each the point of the
+/// mesh that is nearest.
+struct ReferenceSamples {
+  std::vector<AreaSample> samples;
+  std::vector<ClosestPoint> nearest;  ///< one per sample; elements are triangles of the mesh
+};
+
+/// Samples of the reference of at most a quarter of the mean area of the mesh's triangles: four and more on a
+/// triangle.
+/// @throws InvalidInput when the mesh has no triangles or a coordinate is not finite.
+ReferenceSamples sample_reference(const Points& positions, const Triangles& triangles,
+                                  const Points& reference_positions, const Triangles& reference_triangles);
 
 }  // namespace batten

@@ -12,16 +12,18 @@ namespace batten {
 namespace {
 
 constexpr int kNone = HalfedgeMesh::kNone;
+/// Sine of a fair smallest angle, 15°: a collapse may lower angles, but not below it.
+constexpr double kFairSine = 0.2588;
 using Eigen::Vector3d;
 
-double smallest_angle(const Vector3d& a, const Vector3d& b, const Vector3d& c) {
+/// The sine of the smallest angle, which lies between the two longest sides; 0 without area. It grows with
+/// the angle, which is at most 60°.
+double smallest_sine(const Vector3d& a, const Vector3d& b, const Vector3d& c) {
   const Vector3d u = b - a, v = c - b, w = a - c;
-  const double doubled = u.cross(v).norm();
-  // The smallest angle lies opposite the shortest side.
+  const double squared = u.cross(v).squaredNorm();
   const double uu = u.squaredNorm(), vv = v.squaredNorm(), ww = w.squaredNorm();
-  if (uu <= vv && uu <= ww) return std::atan2(doubled, -v.dot(w));
-  if (vv <= ww) return std::atan2(doubled, -u.dot(w));
-  return std::atan2(doubled, -u.dot(v));
+  const double longest_two = uu <= vv && uu <= ww ? vv * ww : (vv <= ww ? uu * ww : uu * vv);
+  return squared > 0 ? std::sqrt(squared / longest_two) : 0;
 }
 
 double angle_between(const Vector3d& a, const Vector3d& b) {
@@ -126,7 +128,7 @@ bool RemeshState::collapse_is_sound(int h, const Vector3d& p, double longest) co
   const int f = HalfedgeMesh::face(h), g = o == kNone ? kNone : HalfedgeMesh::face(o);
   bool sound = true;
   // The worst angle may fall, but not below what was there or a fair bound.
-  double before = kPi, after = kPi;
+  double before = 1, after = 1;
   for (const int end : {u, v}) {
     const bool moves = end == u || p != mesh.position(v);
     if (!moves) continue;
@@ -134,19 +136,19 @@ bool RemeshState::collapse_is_sound(int h, const Vector3d& p, double longest) co
       const int face = HalfedgeMesh::face(out);
       if (!sound) return;
       const Vector3d &b = mesh.position(mesh.to(out)), &c = mesh.position(mesh.tip(out));
-      before = std::min(before, smallest_angle(mesh.position(end), b, c));
+      before = std::min(before, smallest_sine(mesh.position(end), b, c));
       if (face == f || face == g) return;
       const Vector3d old_normal = mesh.area_normal(face), new_normal = (b - p).cross(c - p);
       // 0.5: no face turns by more than 60°. Faces without area have nothing to turn.
       if (old_normal.norm() > 0 &&
           !(old_normal.dot(new_normal) > 0.5 * old_normal.norm() * new_normal.norm()))
         sound = false;
-      after = std::min(after, smallest_angle(p, b, c));
+      after = std::min(after, smallest_sine(p, b, c));
       const double wanted = 0.5 * (size[mesh.to(out)] + size[v]);
       if (mesh.to(out) != u && mesh.to(out) != v && (b - p).norm() > longest * wanted) sound = false;
     });
   }
-  return sound && after > std::min(before, radians(15.0));
+  return sound && after > std::min(before, kFairSine);
 }
 
 bool RemeshState::collapse_towards(int h, bool reversed, double longest) {
@@ -200,22 +202,29 @@ int RemeshState::collapse_short_edges(double ratio, double longest) {
   return collapses;
 }
 
-bool RemeshState::flip_is_sound(int h, double turn, double* before, double* after) const {
-  if (!mesh.can_flip(h)) return false;
-  const int o = mesh.opposite(h);
+RemeshState::FlipSines RemeshState::flip_sines(int h) const {
   const Vector3d &u = mesh.position(mesh.from(h)), &v = mesh.position(mesh.to(h)),
-                 &w = mesh.position(mesh.tip(h)), &x = mesh.position(mesh.tip(o));
+                 &w = mesh.position(mesh.tip(h)), &x = mesh.position(mesh.tip(mesh.opposite(h)));
+  return {std::min(smallest_sine(u, v, w), smallest_sine(u, x, v)),
+          std::min(smallest_sine(x, w, u), smallest_sine(w, x, v))};
+}
+
+bool RemeshState::flip_is_sound(int h, double turn) const {
+  const Vector3d &u = mesh.position(mesh.from(h)), &v = mesh.position(mesh.to(h)),
+                 &w = mesh.position(mesh.tip(h)), &x = mesh.position(mesh.tip(mesh.opposite(h)));
   const Vector3d n1 = (v - u).cross(w - u), n2 = (x - u).cross(v - u);
   const Vector3d f1 = (w - x).cross(u - x), f2 = (x - w).cross(v - w);  // of the new faces x w u and w x v
-  const double a1 = n1.norm(), a2 = n2.norm();
-  *before = std::min(smallest_angle(u, v, w), smallest_angle(u, x, v));
-  *after = std::min(smallest_angle(x, w, u), smallest_angle(w, x, v));
-  if (!(f1.norm() > 0 && f2.norm() > 0)) return false;
-  if (!(a1 > 0 && a2 > 0)) return true;
-  const Vector3d normal = (n1 / a1 + n2 / a2).normalized();
-  const double old_turn = angle_between(n1, n2);
-  const double limit = std::max(turn, 0.75 * old_turn);
-  return angle_between(f1, normal) <= limit && angle_between(f2, normal) <= limit;
+  const double a1 = n1.norm(), a2 = n2.norm(), b1 = f1.norm(), b2 = f2.norm();
+  if (!(b1 > 0 && b2 > 0)) return false;
+  if (a1 > 0 && a2 > 0) {
+    const Vector3d normal = (n1 / a1 + n2 / a2).normalized();
+    const double least_cosine = std::min(f1.dot(normal) / b1, f2.dot(normal) / b2);
+    if (!(least_cosine >= std::cos(turn))) {
+      const double limit = std::max(turn, 0.75 * angle_between(n1, n2));
+      if (!(least_cosine >= std::cos(limit))) return false;
+    }
+  }
+  return mesh.can_flip(h);  // last, since it walks around vertices
 }
 
 void RemeshState::relax_chains(double share) {
@@ -259,6 +268,7 @@ int RemeshState::flip_for_valence(double turn, double least_angle) {
     const int e = valence[v] + change - best[v];
     return e * e;
   };
+  const double least_sine = std::sin(least_angle);
   int flips = 0;
   for (int h = 0; h < mesh.halfedge_capacity(); ++h) {
     if (!mesh.is_representative(h) || mesh.is_marked(h) || mesh.is_border_edge(h)) continue;
@@ -266,8 +276,8 @@ int RemeshState::flip_for_valence(double turn, double least_angle) {
     const int gain = excess(u, 0) + excess(v, 0) + excess(w, 0) + excess(x, 0) - excess(u, -1) -
                      excess(v, -1) - excess(w, 1) - excess(x, 1);
     if (gain <= 0 || valence[u] <= 3 || valence[v] <= 3) continue;
-    double before = 0, after = 0;
-    if (!flip_is_sound(h, turn, &before, &after) || after < std::min(before, least_angle)) continue;
+    const FlipSines sines = flip_sines(h);
+    if (sines.after < std::min(sines.before, least_sine) || !flip_is_sound(h, turn)) continue;
     mesh.flip(h);
     --valence[u];
     --valence[v];
@@ -282,8 +292,8 @@ int RemeshState::flip_for_angles(double turn) {
   int flips = 0;
   for (int h = 0; h < mesh.halfedge_capacity(); ++h) {
     if (!mesh.is_representative(h) || mesh.is_marked(h) || mesh.is_border_edge(h)) continue;
-    double before = 0, after = 0;
-    if (!flip_is_sound(h, turn, &before, &after) || !(after > before + 1e-9)) continue;
+    const FlipSines sines = flip_sines(h);
+    if (!(sines.after > sines.before + 1e-9) || !flip_is_sound(h, turn)) continue;
     if (!mesh.is_border_vertex(mesh.from(h)) && mesh.valence(mesh.from(h)) <= 3) continue;
     if (!mesh.is_border_vertex(mesh.to(h)) && mesh.valence(mesh.to(h)) <= 3) continue;
     mesh.flip(h);

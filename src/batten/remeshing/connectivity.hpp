@@ -48,7 +48,13 @@ class RemeshState {
   /// Collapses h so that its start goes (its end, where `reversed`), if that is allowed and sound.
   bool collapse_towards(int h, bool reversed, double longest);
   bool collapse_is_sound(int h, const Eigen::Vector3d& place, double longest) const;
-  bool flip_is_sound(int h, double turn, double* before, double* after) const;
+  /// Sines of the smallest angle of the two faces at h before and after a turn of the edge.
+  struct FlipSines {
+    double before, after;
+  };
+  FlipSines flip_sines(int h) const;
+  /// Whether h can be turned without bending the surface by more than `turn` radians.
+  bool flip_is_sound(int h, double turn) const;
   void add_vertex(int v, double size_there, int chain_there, double place_there);
 
   const FeatureChains* features_;

@@ -1,6 +1,7 @@
 #pragma once
 #include "batten/core/arrays.hpp"
 #include "batten/core/progress.hpp"
+#include "batten/remeshing/area_samples.hpp"
 #include "batten/remeshing/connectivity.hpp"
 
 namespace batten {
@@ -18,7 +19,7 @@ struct NormalFitOptions {
   /// No move makes a smallest angle less than this (or than it was), radians.
   double least_angle = 0.6;
   /// Rounds over all vertices and edges, at least 0; a round looks only at what changed in the last.
-  int rounds = 5;
+  int rounds = 6;
 };
 
 /// Moves vertices and turns edges where the triangles then have normals nearer to those of the reference, at
@@ -29,9 +30,11 @@ struct NormalFitOptions {
 /// A free vertex is tried at the nearest vertices of the reference, at the point where the planes of the
 /// reference around it meet best, and in the middle of its neighbours; a vertex on a feature chain at the
 /// vertices of the chain. Descent by single moves: the sum falls with every one.
+/// @param reference samples of the reference with their nearest points on state.mesh.compacted(), as
+/// sample_reference() finds them; the mesh may have moved a little since.
 /// @return the number of moves and turns.
 int fit_normals(RemeshState& state, const FeatureChains& features, const Points& reference_positions,
-                const Triangles& reference_triangles, const NormalFitOptions& options = {},
-                const Progress& progress = {});
+                const Triangles& reference_triangles, const ReferenceSamples& reference,
+                const NormalFitOptions& options = {}, const Progress& progress = {});
 
 }  // namespace batten

@@ -59,8 +59,9 @@ SparseMatrix mean_matrix(const SparseMatrix& stiffness, const Weight& weight) {
 
 }  // namespace
 
-SparseMatrix clamped_stiffness(const Points& positions, const Triangles& triangles) {
-  SparseMatrix K = cotangent_stiffness(positions, triangles);
+SparseMatrix clamped_stiffness(const Triangles& triangles, const EdgeLengths& lengths,
+                               Eigen::Index n_vertices) {
+  SparseMatrix K = cotangent_stiffness(triangles, lengths, n_vertices);
   for (Eigen::Index i = 0; i < K.cols(); ++i)
     for (SparseMatrix::InnerIterator entry(K, i); entry; ++entry)
       if (entry.row() != i && entry.value() > 0) entry.valueRef() = 0;

@@ -3,13 +3,15 @@
 
 #include "batten/core/arrays.hpp"
 #include "batten/linalg/sparse_cholesky.hpp"
+#include "batten/operators/intrinsic.hpp"
 
 namespace batten {
 
 // STEP 1 and STEP 2 of adaptive remeshing (H 2.2.1, 2.2.2) on plain arrays, and the Laplacian flow (H 2.46).
 
 /// The cotangent stiffness with negative weights taken as zero, so that every row is a mean.
-SparseMatrix clamped_stiffness(const Points& positions, const Triangles& triangles);
+SparseMatrix clamped_stiffness(const Triangles& triangles, const EdgeLengths& lengths,
+                               Eigen::Index n_vertices);
 
 /// STEP 1: the wanted vertex areas, one implicit step of ∂A/∂t = Δ_w A (2.38), with weights w_ij exp(−(H_i −
 /// H_j)²/σ) that stop at changes of curvature (2.39, 2.30; without the printed normalisation, which is not

@@ -53,6 +53,22 @@ std::vector<Vector3d> corner_normals(const HalfedgeMesh& mesh) {
   return normals;
 }
 
+/// A third of the area of the faces around each vertex.
+Eigen::VectorXd vertex_areas(const HalfedgeMesh& mesh) {
+  Eigen::VectorXd areas = Eigen::VectorXd::Zero(mesh.vertex_capacity());
+  for (int f = 0; f < mesh.face_capacity(); ++f) {
+    if (!mesh.has_face(f)) continue;
+    const double third = face_area(mesh, f) / 3;
+    for (int k = 0; k < 3; ++k) areas[mesh.from(3 * f + k)] += third;
+  }
+  return areas;
+}
+
+/// ∫ 2 / (√3 h²) dA with 1/h² interpolated between the vertices.
+double count_for_sizes(const Eigen::VectorXd& areas, const Eigen::VectorXd& sizes) {
+  return 2 / std::sqrt(3.0) * (areas.array() / sizes.array().square()).sum();
+}
+
 }  // namespace
 
 Eigen::VectorXd curvature_magnitude(const HalfedgeMesh& mesh, const FeatureChains& chains, int rings) {
@@ -105,17 +121,7 @@ Eigen::VectorXd curvature_magnitude(const HalfedgeMesh& mesh, const FeatureChain
 }
 
 double vertices_for_sizes(const HalfedgeMesh& mesh, const Eigen::VectorXd& sizes) {
-  double count = 0;
-  for (int f = 0; f < mesh.face_capacity(); ++f) {
-    if (!mesh.has_face(f)) continue;
-    double inverse_squared = 0;
-    for (int k = 0; k < 3; ++k) {
-      const double h = sizes[mesh.from(3 * f + k)];
-      inverse_squared += 1 / (3 * h * h);
-    }
-    count += 2 / std::sqrt(3.0) * face_area(mesh, f) * inverse_squared;
-  }
-  return count;
+  return count_for_sizes(vertex_areas(mesh), sizes);
 }
 
 void limit_gradation(const HalfedgeMesh& mesh, double gradation, Eigen::VectorXd& sizes) {
@@ -141,26 +147,25 @@ Eigen::VectorXd adaptive_sizes(const HalfedgeMesh& mesh, const Eigen::VectorXd& 
                                double adaptivity, double gradation) {
   const Eigen::Index n = curvature.size();
   const Eigen::VectorXd even = Eigen::VectorXd::Constant(n, mean_length);
-  const double wanted = vertices_for_sizes(mesh, even);
+  const Eigen::VectorXd areas = vertex_areas(mesh);
+  const double wanted = count_for_sizes(areas, even);
   if (adaptivity == 0 || n == 0 || !(wanted > 0)) return even;
   const double range = std::pow(4.0, adaptivity);
-  const auto sizes_for = [&](double factor) {
-    Eigen::VectorXd sizes(n);
-    for (Eigen::Index v = 0; v < n; ++v)
-      sizes[v] = mean_length *
-                 std::clamp(factor * std::pow(std::max(curvature[v] * mean_length, 1e-9), -adaptivity / 2),
-                            1 / range, range);
-    return sizes;
+  Eigen::VectorXd shape(n);  // κ^(−adaptivity/2), without unit
+  for (Eigen::Index v = 0; v < n; ++v)
+    shape[v] = std::pow(std::max(curvature[v] * mean_length, 1e-9), -adaptivity / 2);
+  const auto sizes_for = [&](double factor) -> Eigen::VectorXd {
+    return mean_length * (factor * shape).cwiseMax(1 / range).cwiseMin(range);
   };
   // The count falls with the factor: bisect its logarithm.
   double low = -12, high = 12;
   for (int step = 0; step < 40; ++step) {
     const double middle = 0.5 * (low + high);
-    (vertices_for_sizes(mesh, sizes_for(std::exp(middle))) > wanted ? low : high) = middle;
+    (count_for_sizes(areas, sizes_for(std::exp(middle))) > wanted ? low : high) = middle;
   }
   Eigen::VectorXd sizes = sizes_for(std::exp(0.5 * (low + high)));
   limit_gradation(mesh, gradation, sizes);
-  return sizes * std::sqrt(vertices_for_sizes(mesh, sizes) / wanted);
+  return sizes * std::sqrt(count_for_sizes(areas, sizes) / wanted);
 }
 
 }  // namespace batten

@@ -7,7 +7,6 @@
 #include <Eigen/IterativeLinearSolvers>
 
 #include "batten/linalg/sparse_cholesky.hpp"
-#include "batten/mesh/distance.hpp"
 #include "batten/mesh/normals.hpp"
 #include "batten/operators/laplacian.hpp"
 
@@ -32,24 +31,8 @@ struct Corners {
 }  // namespace
 
 Points fitted_to_surface(const Points& positions, const Triangles& triangles, const std::vector<char>& fixed,
-                         const Points& reference_positions, const Triangles& reference_triangles,
-                         const SurfaceFitOptions& options) {
-  const Eigen::Index n = positions.rows(), m = triangles.rows(), r = reference_triangles.rows();
-  // Three points per triangle of the reference: the rule that integrates squares of linear functions exactly.
-  Points samples(3 * r, 3);
-  Eigen::VectorXd weights(3 * r);
-  Points normals(r, 3);
-  for (Eigen::Index f = 0; f < r; ++f) {
-    const Corners corners(reference_positions, reference_triangles, f);
-    const Vector3d cross = corners.cross(), sum = (corners.a + corners.b + corners.c) / 6;
-    normals.row(f) = cross.normalized();
-    samples.row(3 * f) = sum + corners.a / 2;
-    samples.row(3 * f + 1) = sum + corners.b / 2;
-    samples.row(3 * f + 2) = sum + corners.c / 2;
-    weights.segment<3>(3 * f).setConstant(cross.norm() / 6);
-  }
-  const std::vector<ClosestPoint> closest = TriangleTree(positions, triangles).closest(samples);
-
+                         const ReferenceSamples& reference, const SurfaceFitOptions& options) {
+  const Eigen::Index n = positions.rows(), m = triangles.rows();
   const EdgeLengths lengths = edge_lengths(positions, triangles);
   const double slope_weight = options.normals * std::pow(lengths.mean(), 2);
   const Points vertex_normals = batten::vertex_normals(positions, triangles);
@@ -57,31 +40,32 @@ Points fitted_to_surface(const Points& positions, const Triangles& triangles, co
   for (Eigen::Index i = 0; i < A.nonZeros(); ++i) A.valuePtr()[i] = 0;
   Eigen::VectorXd right = Eigen::VectorXd::Zero(n);
   std::vector<Matrix3d> block(m, Matrix3d::Zero());
-  for (Eigen::Index s = 0; s < samples.rows(); ++s) {
-    const ClosestPoint& at = closest[s];
+  for (std::size_t s = 0; s < reference.samples.size(); ++s) {
+    const AreaSample& sample = reference.samples[s];
+    const ClosestPoint& at = reference.nearest[s];
     const Eigen::Index f = at.element;
     const Corners corners(positions, triangles, f);
     const Vector3d cross = corners.cross();
     const double doubled = cross.norm();
-    if (!(doubled > 0) || !(weights[s] > 0)) continue;
-    const Vector3d normal = cross / doubled, wanted = normals.row(s / 3);
-    if (!(wanted.dot(normal) > kSameSide)) continue;
+    if (!(doubled > 0)) continue;
+    const Vector3d normal = cross / doubled;
+    if (!(sample.normal.dot(normal) > kSameSide)) continue;
     // Distance: Σ w_k c_k t_k = (q − p)·n with c_k the cosine between the normals of vertex and triangle.
     Vector3d row;
     for (int k = 0; k < 3; ++k)
       row[k] = at.weights[k] * normal.dot(Vector3d(vertex_normals.row(triangles(f, k))));
-    const double residual = normal.dot(Vector3d(samples.row(s)) - at.point);
-    block[f] += weights[s] * row * row.transpose();
+    const double residual = normal.dot(sample.point - at.point);
+    block[f] += sample.area * row * row.transpose();
     // Slope: the normal turns by −∇t, which should be `turn`. Gradients of the hat functions are the opposite
     // edges, turned by a right angle, over twice the area.
-    const Vector3d turn = wanted / wanted.dot(normal) - normal;
+    const Vector3d turn = sample.normal / sample.normal.dot(normal) - normal;
     const Vector3d gradients[3] = {normal.cross(corners.c - corners.b) / doubled,
                                    normal.cross(corners.a - corners.c) / doubled,
                                    normal.cross(corners.b - corners.a) / doubled};
     for (int k = 0; k < 3; ++k) {
-      right[triangles(f, k)] += weights[s] * (row[k] * residual - slope_weight * gradients[k].dot(turn));
+      right[triangles(f, k)] += sample.area * (row[k] * residual - slope_weight * gradients[k].dot(turn));
       for (int l = 0; l < 3; ++l)
-        block[f](k, l) += weights[s] * slope_weight * gradients[k].dot(gradients[l]);
+        block[f](k, l) += sample.area * slope_weight * gradients[k].dot(gradients[l]);
     }
   }
   for (Eigen::Index f = 0; f < m; ++f)

@@ -2,6 +2,7 @@
 #include <vector>
 
 #include "batten/core/arrays.hpp"
+#include "batten/remeshing/area_samples.hpp"
 
 namespace batten {
 
@@ -18,10 +19,10 @@ struct SurfaceFitOptions {
 /// least squares of the distances of points spread over the reference to the mesh, and of the angles between
 /// the normals there. Vertices that lie on a curved surface leave all of it on one side; here the error is
 /// spread over both sides.
-/// @param fixed per vertex: 1 for those that stay.
+/// @param fixed per vertex: 1 for those that stay. @param reference samples with their nearest points on the
+/// mesh, as sample_reference() finds them.
 /// @return the new positions. One linear solve; call again to refine.
 Points fitted_to_surface(const Points& positions, const Triangles& triangles, const std::vector<char>& fixed,
-                         const Points& reference_positions, const Triangles& reference_triangles,
-                         const SurfaceFitOptions& options = {});
+                         const ReferenceSamples& reference, const SurfaceFitOptions& options = {});
 
 }  // namespace batten
