@@ -218,7 +218,7 @@ TEST(BadInput, SpoiltMeshesAreRefusedWithTheirPlace) {
 }
 
 TEST(BadInput, SpoiltNetworksAreRefused) {
-  // A square with a border that is not tagged, without normals, with an index beyond the vertices, …
+  // A square with an index beyond the vertices, with a coordinate that is no number, with three sides only, …
   const std::string points = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
   const std::string normals = "vn 0 0 1\nvn 0 0 1\nvn 0 0 1\nvn 0 0 1\n";
   write_file("bad.obj", points + normals + "l 1 2 3 9\n");
@@ -227,8 +227,9 @@ TEST(BadInput, SpoiltNetworksAreRefused) {
   expect_refused("surface bad.obj -o out.ply", {"bad.obj:9"});
   write_file("bad.obj", "v 0 0 0\nv 1 nan 0\nv 1 1 0\n" + normals + "l 1 2 3 1\n");
   expect_refused("surface bad.obj -o out.ply", {"bad.obj:2"});
-  write_file("bad.obj", points + "l 1 2 3 4 1\n");
-  expect_refused("surface bad.obj -o out.ply", {"normal"});
+  // Without normals it is a sketch, which an open one does not bound.
+  write_file("bad.obj", points + "l 1 2 3 4\n");
+  expect_refused("surface bad.obj -o out.ply", {"closed cycle"});
   write_file("bad.obj", points + normals);
   expect_refused("surface bad.obj -o out.ply", {"bad.obj"});
   // One curve that dangles bounds nothing.

@@ -34,7 +34,9 @@ std::string cube_sketch(double shorter) {
 }
 
 Json surface(const std::string& arguments) {
-  const Run run = run_batten("surface " + arguments + " --json");
+  // Coarse samples where the step does not matter, so that a build with sanitizers is done soon.
+  const bool has_step = arguments.find("--step") != std::string::npos;
+  const Run run = run_batten("surface " + arguments + (has_step ? "" : " --step 4%") + " --json");
   EXPECT_EQ(run.exit_code, 0) << run.err;
   return Json::parse(run.out, nullptr, false);
 }
@@ -114,7 +116,7 @@ TEST(SurfaceOfSketch, TakesPublicSketches) {
   for (const char* name : {"bathtub", "box", "car", "dress", "gamepad", "guitar", "spherecylinder"}) {
     const std::string file = std::string(name) + ".ply";
     const Json json = surface(folder + "sketch_" + name + ".obj -o " + file);
-    EXPECT_GT(json["faces"].get<int>(), 1000) << name;
+    EXPECT_GT(json["faces"].get<int>(), 100) << name;
     EXPECT_TRUE(file_exists(file));
   }
 }

@@ -99,6 +99,20 @@ INSTANTIATE_TEST_SUITE_P(SketchNetwork, RoughSketches,
                            return file.substr(7, file.find('.') - 7);
                          });
 
+// 114 curves that cross every few samples: what is too short to bound a patch goes, the rest stays. A net of
+// four curves at a node has as many patches as nodes, less the border; 1,177 nodes are left here, many of
+// six.
+TEST(SketchNetwork, StandsDenseCurves) {
+  const std::string path = std::string(BATTEN_SHARED_DATA) + "/curves/kagome_114_regular.txt";
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is missing";
+  SketchNetworkOptions options;
+  options.weld_tolerance = 0.005;
+  const SketchNetwork made = sketch_network(read_network(path), options);
+  EXPECT_GT(made.estimate.cycles.size(), network_topology(made.network).nodes.size());
+  for (const NetworkCycle& cycle : made.estimate.cycles)
+    for (const NetworkCycle::Loop& loop : cycle.loops) EXPECT_GE(loop.vertices.size(), 3u);
+}
+
 // Circles of a torus that miss each other by up to 0.9 % of the diameter: the least tolerance that is tried
 // joins some of them only; a larger one gives the torus, 5 × 8 patches and its hole.
 TEST(SketchNetwork, FindsTheToleranceThatTheSketchNeeds) {
