@@ -51,7 +51,8 @@ std::string data_folder(const ReportArguments& arguments, Outcome& outcome) {
   if (std::filesystem::is_directory(folder)) return folder;
   if (!arguments.data.empty())
     throw FileError(folder, 0, "there is no such folder; --data names the one with the meshes of the thesis");
-  outcome.warnings.push_back(concat("there is no folder ", folder, "; name the one with the meshes by --data"));
+  outcome.warnings.push_back(
+      concat("there is no folder ", folder, "; name the one with the meshes by --data"));
   return {};
 }
 
@@ -105,9 +106,8 @@ void add_report(CLI::App& app) {
   command->add_option("-o,--output", arguments->output, "HTML page to write, with pictures")
       ->check([](const std::string& path) {
         const std::string extension = file_extension(path);
-        return extension == "html" || extension == "htm"
-                   ? std::string()
-                   : concat("--output must name an .html file: ", path);
+        return extension == "html" || extension == "htm" ? std::string()
+                                                         : concat("--output must name an .html file: ", path);
       });
   command->add_option("--data", arguments->data,
                       concat("Folder with the meshes, by their names; by default ", kDefaultData));

@@ -58,12 +58,16 @@ struct RemeshRow {
   int iterations;
   double curvature, edges, areas, curvature_variance, distance;
 };
-constexpr RemeshRow kTable23[] = {
-    {"hand", "AR", 5, 17.8, 77.2, 61.2, 5.9, 0.002},      {"hand", "LF", 5, 40.3, 78.4, 51.6, 47.1, 0.003},
-    {"gargoyle", "AR", 10, 26.4, 63.7, 47.5, 14.3, 0.007}, {"gargoyle", "LF", 10, 69.0, 81.6, 48.0, 59.7, 0.016},
-    {"fandisk", "AR", 20, 4.7, 51.7, 55.2, 0.8, 0.005},   {"fandisk", "LF", 20, 30.3, 74.4, 31.0, 5.9, 0.013},
-    {"igea", "AR", 20, 12.9, 57.3, 41.4, 5.2, 0.004},     {"igea", "LF", 20, 27.5, 64.9, 41.5, 34.3, 0.005},
-    {"foot", "AR", 10, 13.1, 92.8, 65.4, 3.7, 0.007},     {"foot", "LF", 10, 28.2, 93.0, 62.7, 22.5, 0.008}};
+constexpr RemeshRow kTable23[] = {{"hand", "AR", 5, 17.8, 77.2, 61.2, 5.9, 0.002},
+                                  {"hand", "LF", 5, 40.3, 78.4, 51.6, 47.1, 0.003},
+                                  {"gargoyle", "AR", 10, 26.4, 63.7, 47.5, 14.3, 0.007},
+                                  {"gargoyle", "LF", 10, 69.0, 81.6, 48.0, 59.7, 0.016},
+                                  {"fandisk", "AR", 20, 4.7, 51.7, 55.2, 0.8, 0.005},
+                                  {"fandisk", "LF", 20, 30.3, 74.4, 31.0, 5.9, 0.013},
+                                  {"igea", "AR", 20, 12.9, 57.3, 41.4, 5.2, 0.004},
+                                  {"igea", "LF", 20, 27.5, 64.9, 41.5, 34.3, 0.005},
+                                  {"foot", "AR", 10, 13.1, 92.8, 65.4, 3.7, 0.007},
+                                  {"foot", "LF", 10, 28.2, 93.0, 62.7, 22.5, 0.008}};
 
 /// H Tables 2.4 and 2.5: share removed in per cent; dmax, dmean, dRMS (2.102–2.104) of MeshLab and of H.
 struct SimplifyRow {
@@ -121,10 +125,8 @@ TriangleMesh midpoint_subdivided(const TriangleMesh& mesh) {
   result.triangles.resize(4 * mesh.n_triangles(), 3);
   for (Eigen::Index f = 0; f < mesh.n_triangles(); ++f) {
     const Eigen::RowVector3i corner = mesh.triangles.row(f);
-    const Eigen::RowVector3i middle =
-        edges.of_triangle.row(f).array() + static_cast<int>(mesh.n_vertices());
-    for (int k = 0; k < 3; ++k)
-      result.triangles.row(4 * f + k) << corner[k], middle[k], middle[(k + 2) % 3];
+    const Eigen::RowVector3i middle = edges.of_triangle.row(f).array() + static_cast<int>(mesh.n_vertices());
+    for (int k = 0; k < 3; ++k) result.triangles.row(4 * f + k) << corner[k], middle[k], middle[(k + 2) % 3];
     result.triangles.row(4 * f + 3) = middle;
   }
   return result;
@@ -227,12 +229,13 @@ void Experiments::fairing() {
   ReportGrid grid;
   grid.title = "Table 2.2: fairing";
   grid.note =
-      "H: as printed. ΔV: difference of the volume from that of the mesh without noise; ours in per cent of it "
+      "H: as printed. ΔV: difference of the volume from that of the mesh without noise; ours in per cent of "
+      "it "
       "(the printed ones, whatever their unit, are none). Normals: mean angle "
       "between the triangles of the result and those without noise, the noisy mesh first. Noise by (2.36) "
       "with the bounds of Table 2.1, in mean edge lengths. σ is 0.6. auto is the default of batten fair.";
-  grid.columns = {"mesh",          "algorithm",     "τ (H)",          "τ ours",          "steps (H)",
-                  "steps ours",    "ΔV (H)",        "ΔV ours, %",     "σ (H)",           "normals ours"};
+  grid.columns = {"mesh",       "algorithm", "τ (H)",      "τ ours", "steps (H)",
+                  "steps ours", "ΔV (H)",    "ΔV ours, %", "σ (H)",  "normals ours"};
   Json& json = result_.tables["2.2"] = Json::array();
   for (const MeshData& data : kTable21) {
     const TriangleMesh* given = mesh(data.mesh);
@@ -392,7 +395,8 @@ void Experiments::simplification(const char* number_of_table, const char* title,
   ReportGrid grid;
   grid.title = concat("Table ", number_of_table, ": ", title);
   grid.note =
-      "Distances of the original's vertices from the result (2.102–2.104). H and MeshLab: as printed by H, in "
+      "Distances of the original's vertices from the result (2.102–2.104). H and MeshLab: as printed by H, "
+      "in "
       "the unit of its mesh; behind it over the diameter, where Table 2.1 gives the volume and so the size. "
       "Ours: over the diameter. Back: the largest distance of the result from the original. Default: batten "
       "simplify; p-Laplacian: its --method plaplacian, the thesis's.";
@@ -409,7 +413,7 @@ void Experiments::simplification(const char* number_of_table, const char* title,
         const double volume = enclosed_volume(original->positions, original->triangles);
         if (volume > 0) diameter_of_thesis = diameter * std::cbrt(data.volume / volume);
       }
-    const auto add_printed = [&](const char* by, const double (&figures)[3]) {
+    const auto add_printed = [&](const char* by, const double(&figures)[3]) {
       std::vector<std::string> cells = {row.mesh, number(row.removed), by};
       Json printed = Json::object();
       for (int k = 0; k < 3; ++k) {
@@ -441,9 +445,8 @@ void Experiments::simplification(const char* number_of_table, const char* title,
           result_.warnings.push_back(concat(row.mesh, ": no more than ",
                                             original->n_triangles() - made.mesh.n_triangles(), " of ",
                                             original->n_triangles(), " faces could be removed"));
-        const Comparison comparison =
-            compare({original->positions, original->triangles, {}},
-                    {made.mesh.positions, made.mesh.triangles, {}}, {}, progress_);
+        const Comparison comparison = compare({original->positions, original->triangles, {}},
+                                              {made.mesh.positions, made.mesh.triangles, {}}, {}, progress_);
         const MeshQuality quality = mesh_quality(made.mesh.positions, made.mesh.triangles);
         const DistanceFigures& figures = comparison.a_to_b.vertices;
         const double back = std::max(comparison.b_to_a.vertices.max, comparison.b_to_a.samples.max);

@@ -63,7 +63,7 @@ TEST(ReportCommand, PrintsTheTablesOfTheThesisWithoutAnyMesh) {
   EXPECT_EQ(tables["2.3"][4]["mesh"], "fandisk");
   EXPECT_EQ(tables["2.5"][9]["thesis"]["drms"], 0.010267);
 
-  const Run text = run_batten("report thesis-h --data nothing");
+  const auto text = run_batten("report thesis-h --data nothing");
   EXPECT_EQ(text.exit_code, 0);
   for (const char* part : {"Table 2.2", "Table 2.5", "oilpump", "not at hand", "0.010267"})
     EXPECT_NE(text.out.find(part), std::string::npos) << part;
@@ -97,7 +97,8 @@ TEST(ReportCommand, PutsOurFiguresBesideThemWhereAMeshIsAtHand) {
       }
     }
   EXPECT_EQ(measured, 5 + 2 + 2);  // noisy, MCF, SDF, NL-SDF, auto; AR, LF; 99 and 99.9 %
-  // Table 2.2's volume of igea is that of a shape as large: the printed lengths over its diameter stand there.
+  // Table 2.2's volume of igea is that of a shape as large: the printed lengths over its diameter stand
+  // there.
   for (const Json& row : json["tables"]["2.5"])
     EXPECT_EQ(row["thesis"].contains("relative"), row["mesh"] == "igea");
 
@@ -110,7 +111,8 @@ TEST(ReportCommand, PutsOurFiguresBesideThemWhereAMeshIsAtHand) {
 // A mesh that is no surface leaves empty places and says why; the rest of the report stands.
 TEST(ReportCommand, GoesOnWhereAMeshIsRefused) {
   const std::string data = folder("bad");
-  write_file(data + "/hand.off", "OFF\n5 3 0\n0 0 0\n1 0 0\n0 1 0\n0 -1 0\n0 0 1\n3 0 1 2\n3 1 0 3\n3 0 1 4\n");
+  write_file(data + "/hand.off",
+             "OFF\n5 3 0\n0 0 0\n1 0 0\n0 1 0\n0 -1 0\n0 0 1\n3 0 1 2\n3 1 0 3\n3 0 1 4\n");
   const Json json = run_json("report thesis-h --tables 2.3,2.5 --json --data " + data);
   EXPECT_EQ(json["tables"].size(), 2U);
   EXPECT_TRUE(json["tables"]["2.3"][0]["ours"].is_null());
@@ -122,7 +124,7 @@ TEST(ReportCommand, TellsBadUsageFromBadInput) {
   EXPECT_EQ(run_batten("report thesis-x").exit_code, 2);
   EXPECT_EQ(run_batten("report thesis-h --tables 9.9").exit_code, 2);
   EXPECT_EQ(run_batten("report thesis-h -o page.pdf").exit_code, 2);
-  const Run missing = run_batten("report thesis-h --data nowhere");
+  const auto missing = run_batten("report thesis-h --data nowhere");
   EXPECT_EQ(missing.exit_code, 3);
   EXPECT_NE(missing.err.find("nowhere"), std::string::npos);
   write_file(folder("broken") + "/foot.off", "OFF\nnonsense\n");
