@@ -160,7 +160,7 @@ class Experiments {
  private:
   const TriangleMesh* mesh(const std::string& name);
   void draw(const std::string& table, const std::string& mesh_name, const std::string& title,
-            const std::string& caption, const TriangleMesh& mesh, Shading shading);
+            const std::string& caption, const TriangleMesh& mesh, Shading shading, double zoom = 1);
   /// Runs one case; false, with a warning, where the method refuses the mesh.
   template <typename Work>
   bool attempt(const std::string& stage, const std::string& what, Work&& work) {
@@ -212,7 +212,7 @@ const TriangleMesh* Experiments::mesh(const std::string& name) {
 }
 
 void Experiments::draw(const std::string& table, const std::string& mesh_name, const std::string& title,
-                       const std::string& caption, const TriangleMesh& mesh, Shading shading) {
+                       const std::string& caption, const TriangleMesh& mesh, Shading shading, double zoom) {
   if (!pictures_ || mesh.n_triangles() == 0) return;
   const ScopedStage stage(result_.times, "draw");
   RenderOptions options;
@@ -221,6 +221,7 @@ void Experiments::draw(const std::string& table, const std::string& mesh_name, c
   options.height = 420;
   // Heads and animals of the public collections stand along y.
   if (mesh_name == "igea") options.view = {.azimuth_deg = 70, .elevation_deg = 10, .up_axis = 1};
+  options.view.zoom = zoom;
   result_.pictures.push_back({concat("Table ", table, ", ", mesh_name, ": ", title), caption,
                               encode_png(render({.mesh = &mesh}, options, progress_)), false});
 }
@@ -337,8 +338,12 @@ void Experiments::remeshing() {
   std::string drawn;
   for (const RemeshRow& row : kTable23) {
     const TriangleMesh* original = mesh(row.mesh);
+    // Enlarged until triangles can be told apart.
+    const double zoom =
+        original == nullptr ? 1 : std::max(1.0, std::round(std::sqrt(original->n_triangles() / 6000.0)));
+    const std::string enlarged = zoom > 1 ? concat(" Enlarged ", zoom, " times.") : std::string();
     if (original != nullptr && drawn != row.mesh)
-      draw("2.3", row.mesh, "original", counts(*original), *original, Shading::Wireframe);
+      draw("2.3", row.mesh, "original", counts(*original) + enlarged, *original, Shading::Wireframe, zoom);
     drawn = row.mesh;
     Json ours;
     if (original != nullptr)
@@ -359,7 +364,7 @@ void Experiments::remeshing() {
                 {"mean_distance", measures.mean_distance},
                 {"mean_smallest_angle_deg", degrees(quality.mean_min_angle)},
                 {"normal_error_deg", degrees(measures.normal_error)}};
-        draw("2.3", row.mesh, row.method, counts(made.mesh), made.mesh, Shading::Wireframe);
+        draw("2.3", row.mesh, row.method, counts(made.mesh) + enlarged, made.mesh, Shading::Wireframe, zoom);
       });
     const auto cell = [&](double thesis, const char* key, double scale, const char* format) {
       return concat(thesis, " / ", ours.is_null() ? "–" : number(scale * ours[key].get<double>(), format));
