@@ -81,6 +81,11 @@ Outcome run_report(const ReportArguments& arguments, Context& context) {
   report.version = BATTEN_VERSION;
   report.command_line = concat("batten report ", arguments.experiment, " -o ", arguments.output,
                                arguments.data.empty() ? "" : " --data " + arguments.data);
+  if (arguments.tables.size() < thesis_h_tables().size()) {
+    std::string tables;
+    for (const std::string& table : arguments.tables) tables += (tables.empty() ? "" : ",") + table;
+    report.command_line += " --tables " + tables;
+  }
   report.grids = std::move(found.grids);
   report.pictures = std::move(found.pictures);
   report.warnings = outcome.warnings;

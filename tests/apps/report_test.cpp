@@ -113,7 +113,8 @@ TEST(ReportCommand, GoesOnWhereAMeshIsRefused) {
   const std::string data = folder("bad");
   write_file(data + "/hand.off",
              "OFF\n5 3 0\n0 0 0\n1 0 0\n0 1 0\n0 -1 0\n0 0 1\n3 0 1 2\n3 1 0 3\n3 0 1 4\n");
-  const Json json = run_json("report thesis-h --tables 2.3,2.5 --json --data " + data);
+  const Json json = run_json("report thesis-h --tables 2.3,2.5 -o bad.html --json --data " + data);
+  EXPECT_NE(read_file("bad.html").find("--tables 2.3,2.5"), std::string::npos) << "the line that repeats it";
   EXPECT_EQ(json["tables"].size(), 2U);
   EXPECT_TRUE(json["tables"]["2.3"][0]["ours"].is_null());
   EXPECT_FALSE(json["warnings"].empty());
