@@ -171,6 +171,7 @@ int run(int argc, char** argv) {
   add_remesh(app);
   add_simplify(app);
   add_deform(app);
+  add_report(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& request) {  // --help, --version

@@ -72,5 +72,6 @@ void add_fair(CLI::App& app);
 void add_remesh(CLI::App& app);
 void add_simplify(CLI::App& app);
 void add_deform(CLI::App& app);
+void add_report(CLI::App& app);
 
 }  // namespace batten::cli

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "batten/core/error.hpp"
+#include "batten/core/units.hpp"
 
 namespace batten {
 namespace {
@@ -76,9 +77,59 @@ TEST(MeshVariation, HasNoRatioToNothing) {
   const TriangleMesh flat = samples::square(5, 0.3), even = samples::square(5);
   const MeshVariation variation =
       mesh_variation(flat.positions, flat.triangles, even.positions, even.triangles);
+  EXPECT_TRUE(std::isnan(variation.mean_curvature));
+  EXPECT_TRUE(std::isnan(variation.curvature_variance));
   EXPECT_GT(variation.area_variance, 0);
   EXPECT_GT(variation.edge_variance, 0);
   EXPECT_THROW(mesh_variation(flat.positions, flat.triangles, Points(0, 3), Triangles(0, 3)), InvalidInput);
+}
+
+// Twice the size, every variance fourfold: over the squared mean edge the same. The sphere about its own
+// middle, so that every vertex has its image or one like it as the nearest.
+TEST(MeshVariation, OfEdgesIsFreeOfTheSizeWhereAsked) {
+  const TriangleMesh mesh = samples::octasphere(6, 1);
+  const Points large = 2 * mesh.positions;
+  EXPECT_NEAR(
+      mesh_variation(mesh.positions, mesh.triangles, large, mesh.triangles, {{}, {}, true}).edge_variance, 0,
+      1e-9);
+}
+
+// One vertex of a sphere pulled out changes the curvature there and at its neighbours, and nowhere else. With
+// these left out on both sides nothing is left.
+TEST(MeshVariation, DoesNotCountWhatIsLeftOut) {
+  const TriangleMesh sphere = samples::octasphere(6, 1);
+  Points pulled = sphere.positions;
+  const int at = 5;
+  pulled.row(at) *= 1.05;
+  MeshVariationOptions options;
+  EXPECT_GT(
+      mesh_variation(sphere.positions, sphere.triangles, pulled, sphere.triangles, options).mean_curvature,
+      0.01);
+  options.original_left_out.assign(sphere.n_vertices(), 0);
+  for (Eigen::Index f = 0; f < sphere.n_triangles(); ++f)
+    if ((sphere.triangles.row(f).array() == at).any())
+      for (int k = 0; k < 3; ++k) options.original_left_out[sphere.triangles(f, k)] = 1;
+  options.left_out = options.original_left_out;
+  const MeshVariation rest =
+      mesh_variation(sphere.positions, sphere.triangles, pulled, sphere.triangles, options);
+  EXPECT_NEAR(rest.mean_curvature, 0, 1e-12);
+  EXPECT_NEAR(rest.curvature_variance, 0, 1e-9);
+  options.left_out.pop_back();
+  EXPECT_THROW(mesh_variation(sphere.positions, sphere.triangles, pulled, sphere.triangles, options),
+               InvalidInput);
+}
+
+// Two triangles over the unit square, folded by 40° along their diagonal: its two ends, above 40° none.
+TEST(VerticesOnCreases, AreThoseOfEdgesThatTurnByMore) {
+  TriangleMesh mesh = samples::square(2);
+  const double fold = 40 * kPi / 180;
+  // Corner 1 turned about the diagonal from 0 to 3, which it is 1/√2 away from.
+  const Eigen::RowVector3d middle(0.5, 0.5, 0), out = mesh.positions.row(1) - middle;
+  mesh.positions.row(1) =
+      middle + std::cos(fold) * out + Eigen::RowVector3d(0, 0, std::sin(fold) / std::sqrt(2.0));
+  EXPECT_EQ(vertices_on_creases(mesh.positions, mesh.triangles, fold - 0.01),
+            (std::vector<char>{1, 0, 0, 1}));
+  EXPECT_EQ(vertices_on_creases(mesh.positions, mesh.triangles, fold + 0.01), std::vector<char>(4, 0));
 }
 
 }  // namespace

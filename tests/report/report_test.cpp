@@ -49,6 +49,18 @@ TEST(Report, SaysEverythingThatItWasGiven) {
   EXPECT_EQ(count(page, "<img "), 2);
 }
 
+// Three columns, a row of three and one of one: two rows of three cells, the missing ones empty.
+TEST(Report, DrawsGridsWithAHeadingPerColumn) {
+  Report report;
+  report.grids = {{"Table 1", "A < B", {"mesh", "ours", "theirs"}, {{"cow", "1", "2"}, {"cat & dog"}}}};
+  const std::string page = html(report);
+  EXPECT_EQ(count(page, "<th>"), 3);
+  EXPECT_EQ(count(page, "<td>"), 6);
+  EXPECT_EQ(count(page, "<td></td>"), 2);
+  for (const char* part : {"<h2>Table 1</h2>", "A &lt; B", "<th>theirs</th>", "<td>cat &amp; dog</td>"})
+    EXPECT_NE(page.find(part), std::string::npos) << part;
+}
+
 // A page that works offline: nothing is fetched, nothing runs.
 TEST(Report, NeedsNoOtherFile) {
   const std::string page = html(full_report());

@@ -4,9 +4,13 @@
 #include <limits>
 #include <vector>
 
+#include <Eigen/Geometry>
+
 #include "batten/core/error.hpp"
+#include "batten/core/text.hpp"
 #include "batten/mesh/adjacency.hpp"
 #include "batten/mesh/distance.hpp"
+#include "batten/mesh/triangle_mesh.hpp"
 #include "batten/operators/curvature.hpp"
 #include "batten/operators/laplacian.hpp"
 
@@ -43,38 +47,52 @@ std::vector<char> used_by(const Triangles& triangles, Eigen::Index n_vertices) {
 
 /// A mesh with what is compared of it.
 struct Measured {
-  Measured(const Points& mesh_positions, const Triangles& triangles) : positions(mesh_positions) {
+  Measured(const Points& mesh_positions, const Triangles& triangles, const std::vector<char>& left_out)
+      : positions(mesh_positions) {
+    const Eigen::Index n = mesh_positions.rows();
     if (triangles.rows() == 0) throw InvalidInput("the mesh has no faces, so it has no curvature to compare");
+    if (!left_out.empty() && left_out.size() != static_cast<std::size_t>(n))
+      throw InvalidInput(concat("the list of vertices left out has ", left_out.size(),
+                                " entries, but the mesh ", n, " vertices"));
     const Curvatures curvatures = discrete_curvatures(mesh_positions, triangles);
     H = curvatures.mean;
     edge_variance = edge_length_variances(mesh_positions, triangles);
-    std::vector<char> used = used_by(triangles, mesh_positions.rows());
-    all = listed(used);
-    for (std::size_t v = 0; v < used.size(); ++v)
-      if (curvatures.on_border[v] != 0) used[v] = 0;
-    inner = listed(used);
+    counts = used_by(triangles, n);
+    vertices = listed(counts);
+    for (std::size_t v = 0; v < counts.size(); ++v)
+      if (curvatures.on_border[v] != 0 || (!left_out.empty() && left_out[v] != 0)) counts[v] = 0;
   }
   const Points& positions;
   Eigen::VectorXd H, edge_variance;
-  std::vector<int> all, inner;  ///< vertices of faces, and those of them that are not on a border
+  std::vector<int> vertices;  ///< of faces
+  std::vector<char> counts;   ///< 1 for those of them whose curvature counts
 };
 
-/// ‖b(nearest) − a‖ / ‖a‖ over the chosen vertices of a.
-double matched_change(const Measured& a, const Eigen::VectorXd& of_a, const std::vector<int>& rows_a,
-                      const Measured& b, const Eigen::VectorXd& of_b, const std::vector<int>& rows_b) {
-  if (rows_a.empty() || rows_b.empty()) return std::numeric_limits<double>::quiet_NaN();
+/// Vertices of the original with the nearest of the other mesh.
+struct Matches {
+  std::vector<int> original, nearest;
+};
+
+Matches matches(const Measured& original, const Measured& other) {
   // The nearest of points: of segments without length.
-  Segments points(static_cast<Eigen::Index>(rows_b.size()), 2);
-  for (std::size_t i = 0; i < rows_b.size(); ++i)
-    points.row(static_cast<Eigen::Index>(i)).setConstant(rows_b[i]);
-  Points queries(static_cast<Eigen::Index>(rows_a.size()), 3);
-  for (std::size_t i = 0; i < rows_a.size(); ++i)
-    queries.row(static_cast<Eigen::Index>(i)) = a.positions.row(rows_a[i]);
-  const std::vector<ClosestPoint> nearest = SegmentTree(b.positions, points).closest(queries);
-  Eigen::VectorXd matched(queries.rows());
-  for (Eigen::Index i = 0; i < matched.size(); ++i) matched[i] = of_b[rows_b[nearest[i].element]];
-  const Eigen::VectorXd reference = rows_of(of_a, rows_a);
-  return ratio((matched - reference).norm(), reference.norm());
+  Segments points(static_cast<Eigen::Index>(other.vertices.size()), 2);
+  for (std::size_t i = 0; i < other.vertices.size(); ++i)
+    points.row(static_cast<Eigen::Index>(i)).setConstant(other.vertices[i]);
+  Points queries(static_cast<Eigen::Index>(original.vertices.size()), 3);
+  for (std::size_t i = 0; i < original.vertices.size(); ++i)
+    queries.row(static_cast<Eigen::Index>(i)) = original.positions.row(original.vertices[i]);
+  Matches result{original.vertices, {}};
+  for (const ClosestPoint& closest : SegmentTree(other.positions, points).closest(queries))
+    result.nearest.push_back(other.vertices[closest.element]);
+  return result;
+}
+
+double mean_edge(const Points& positions, const Triangles& triangles) {
+  const MeshEdges edges = mesh_edges(triangles, positions.rows());
+  double sum = 0;
+  for (Eigen::Index e = 0; e < edges.n_edges(); ++e)
+    sum += (positions.row(edges.vertices(e, 0)) - positions.row(edges.vertices(e, 1))).norm();
+  return sum / static_cast<double>(edges.n_edges());
 }
 
 }  // namespace
@@ -104,16 +122,59 @@ double area_variance(const Points& positions, const Triangles& triangles) {
 }
 
 MeshVariation mesh_variation(const Points& original_positions, const Triangles& original_triangles,
-                             const Points& positions, const Triangles& triangles) {
-  const Measured before(original_positions, original_triangles), after(positions, triangles);
+                             const Points& positions, const Triangles& triangles,
+                             const MeshVariationOptions& options) {
+  Measured before(original_positions, original_triangles, options.original_left_out);
+  Measured after(positions, triangles, options.left_out);
+  if (options.relative_edges) {
+    const double mean_before = mean_edge(original_positions, original_triangles),
+                 mean_after = mean_edge(positions, triangles);
+    if (mean_before > 0) before.edge_variance /= mean_before * mean_before;
+    if (mean_after > 0) after.edge_variance /= mean_after * mean_after;
+  }
+  double change = 0, size = 0, edge_change = 0, edge_size = 0;
+  const Matches pairs = matches(before, after);
+  for (std::size_t i = 0; i < pairs.original.size(); ++i) {
+    const int v = pairs.original[i], u = pairs.nearest[i];
+    edge_change += std::pow(after.edge_variance[u] - before.edge_variance[v], 2);
+    edge_size += std::pow(before.edge_variance[v], 2);
+    if (before.counts[v] == 0 || after.counts[u] == 0) continue;
+    change += std::pow(after.H[u] - before.H[v], 2);
+    size += std::pow(before.H[v], 2);
+  }
   MeshVariation result;
-  result.mean_curvature = matched_change(before, before.H, before.inner, after, after.H, after.inner);
-  result.edge_variance =
-      matched_change(before, before.edge_variance, before.all, after, after.edge_variance, after.all);
+  result.edge_variance = ratio(std::sqrt(edge_change), std::sqrt(edge_size));
   const double a0 = area_variance(original_positions, original_triangles);
   result.area_variance = ratio(std::abs(area_variance(positions, triangles) - a0), a0);
-  const double h0 = variance(rows_of(before.H, before.inner));
-  result.curvature_variance = ratio(std::abs(variance(rows_of(after.H, after.inner)) - h0), h0);
+
+  // Curvature below this is rounding: that of a flat surface, and its variance on a sphere.
+  const double flat = 1e-9 / bounding_box_diagonal(original_positions);
+  const auto n = static_cast<double>(pairs.original.size());
+  result.mean_curvature =
+      std::sqrt(size / n) > flat ? std::sqrt(change / size) : std::numeric_limits<double>::quiet_NaN();
+  const Eigen::VectorXd H0 = rows_of(before.H, listed(before.counts));
+  const double spread = variance(H0);
+  const double rounding = H0.size() == 0 ? 0 : flat * flat + 1e-18 * H0.squaredNorm() / H0.size();
+  result.curvature_variance = ratio(std::abs(variance(rows_of(after.H, listed(after.counts))) - spread),
+                                    spread > rounding ? spread : 0);
+  return result;
+}
+
+std::vector<char> vertices_on_creases(const Points& positions, const Triangles& triangles, double angle) {
+  const MeshEdges edges = mesh_edges(triangles, positions.rows());
+  const auto area_normal = [&](Eigen::Index f) -> Eigen::Vector3d {
+    const Eigen::Vector3d a = positions.row(triangles(f, 0)), b = positions.row(triangles(f, 1)),
+                          c = positions.row(triangles(f, 2));
+    return (b - a).cross(c - a);
+  };
+  std::vector<char> result(positions.rows(), 0);
+  for (Eigen::Index e = 0; e < edges.n_edges(); ++e) {
+    if (edges.n_triangles(e) != 2) continue;
+    const Eigen::Vector3d m = area_normal(edges.sides[edges.offsets[e]] / 3),
+                          n = area_normal(edges.sides[edges.offsets[e] + 1] / 3);
+    if (std::atan2(m.cross(n).norm(), m.dot(n)) > angle)
+      for (const int v : {edges.vertices(e, 0), edges.vertices(e, 1)}) result[v] = 1;
+  }
   return result;
 }
 

@@ -1,6 +1,5 @@
 #include "batten/remeshing/measures.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -12,8 +11,7 @@
 #include "batten/mesh/distance.hpp"
 #include "batten/mesh/halfedge_mesh.hpp"
 #include "batten/mesh/normals.hpp"
-#include "batten/operators/curvature.hpp"
-#include "batten/operators/laplacian.hpp"
+#include "batten/operators/mesh_variation.hpp"
 
 namespace batten {
 
@@ -24,74 +22,9 @@ using Eigen::Vector3d;
 /// Points of the original whose normals are compared.
 constexpr int kNormalSamples = 100000;
 
-/// Var(A) / (Nv Ā²) over the vertices in use.
-double area_variance(const TriangleMesh& mesh) {
-  const Eigen::VectorXd areas = lumped_mass(mesh.positions, mesh.triangles);
-  double sum = 0, squares = 0;
-  int count = 0;
-  for (Eigen::Index v = 0; v < areas.size(); ++v)
-    if (areas[v] > 0) {
-      sum += areas[v];
-      squares += areas[v] * areas[v];
-      ++count;
-    }
-  return sum > 0 ? std::max(0.0, count * squares / (sum * sum) - 1) : 0.0;
-}
-
-/// Var(E) of (2.51) per vertex of the mesh, over the squared mean edge.
-Eigen::VectorXd edge_variances(const HalfedgeMesh& mesh) {
-  Eigen::VectorXd variances = Eigen::VectorXd::Zero(mesh.vertex_capacity());
-  double total = 0;
-  int count = 0;
-  for (int v = 0; v < mesh.vertex_capacity(); ++v) {
-    if (!mesh.has_vertex(v)) continue;
-    double sum = 0, squares = 0;
-    int d = 0;
-    mesh.for_each_neighbour(v, [&](int u) {
-      const double length = (mesh.position(u) - mesh.position(v)).norm();
-      sum += length;
-      squares += length * length;
-      ++d;
-    });
-    variances[v] = std::max(0.0, squares / d - sum * sum / (d * d));
-    total += sum;
-    count += d;
-  }
-  const double mean = total / std::max(count, 1);
-  return mean > 0 ? Eigen::VectorXd(variances / (mean * mean)) : variances;
-}
-
-/// Vertices where curvature is none of a smooth surface: on borders, and on edges that turn by more than
-/// `crease_angle`, whose cotangent curvature is that of the edge and grows with the fineness of the mesh.
-std::vector<char> left_out(const HalfedgeMesh& mesh, double crease_angle) {
-  std::vector<char> result(mesh.vertex_capacity(), 0);
-  for (int h = 0; h < mesh.halfedge_capacity(); ++h) {
-    if (!mesh.is_representative(h)) continue;
-    bool out = mesh.is_border_edge(h);
-    if (!out) {
-      const Vector3d a = mesh.area_normal(HalfedgeMesh::face(h)),
-                     b = mesh.area_normal(HalfedgeMesh::face(mesh.opposite(h)));
-      out = std::atan2(a.cross(b).norm(), a.dot(b)) > crease_angle;
-    }
-    if (out) result[mesh.from(h)] = result[mesh.to(h)] = 1;
-  }
-  return result;
-}
-
-double variance(const Eigen::VectorXd& values, const std::vector<char>& left_out) {
-  double sum = 0, squares = 0;
-  int count = 0;
-  for (Eigen::Index v = 0; v < values.size(); ++v)
-    if (left_out[v] == 0) {
-      sum += values[v];
-      squares += values[v] * values[v];
-      ++count;
-    }
-  return count > 0 ? squares / count - sum * sum / (static_cast<double>(count) * count) : 0.0;
-}
-
-double relative(double change, double before) {
-  return before > 0 ? change / before : 0.0;
+/// 0 for a ratio to nothing: what was flat, or even, and is so still.
+double known(double ratio) {
+  return std::isfinite(ratio) ? ratio : 0.0;
 }
 
 /// Mean angle between the normals of one surface and those of the nearest triangles of another, at random
@@ -148,41 +81,22 @@ RemeshMeasures remesh_measures(const TriangleMesh& original, const TriangleMesh&
   progress.report("measuring", 0);
   const TriangleMesh before = compacted(original), after = compacted(result);
   RemeshMeasures measures;
-  measures.original_area_variance = area_variance(before);
-  measures.area_variance = area_variance(after);
-  measures.area_variance_change = relative(std::abs(measures.area_variance - measures.original_area_variance),
-                                           measures.original_area_variance);
-
-  // The nearest vertex by the tree of segments, whose ends may be the same.
-  Segments vertices(after.n_vertices(), 2);
-  for (Eigen::Index v = 0; v < after.n_vertices(); ++v) vertices.row(v).setConstant(static_cast<int>(v));
-  const std::vector<ClosestPoint> nearest = SegmentTree(after.positions, vertices).closest(before.positions);
-  const Curvatures curvature = discrete_curvatures(after.positions, after.triangles);
-  const Curvatures curvature_before = discrete_curvatures(before.positions, before.triangles);
-  const HalfedgeMesh connected(after.positions, after.triangles),
-      connected_before(before.positions, before.triangles);
-  const Eigen::VectorXd edges = edge_variances(connected), edges_before = edge_variances(connected_before);
-  const std::vector<char> out = left_out(connected, crease_angle),
-                          out_before = left_out(connected_before, crease_angle);
-  double change = 0, size = 0, edge_change = 0;
-  for (Eigen::Index v = 0; v < before.n_vertices(); ++v) {
-    const Eigen::Index u = nearest[v].element;
-    edge_change += std::pow(edges[u] - edges_before[v], 2);
-    if (out_before[v] != 0 || out[u] != 0) continue;
-    change += std::pow(curvature.mean[u] - curvature_before.mean[v], 2);
-    size += std::pow(curvature_before.mean[v], 2);
-  }
-  const double diameter = bounding_box_diagonal(before.positions);
-  // A flat surface has no curvature but rounding, which says nothing.
-  const double rounding = 1e-9 * std::sqrt(static_cast<double>(before.n_vertices()));
-  if (std::sqrt(size) * diameter > rounding)
-    measures.curvature_change = relative(std::sqrt(change), std::sqrt(size));
-  measures.edge_variance_change = relative(std::sqrt(edge_change), edges_before.norm());
-  const double spread = variance(curvature_before.mean, out_before);
-  measures.curvature_variance_change = relative(std::abs(variance(curvature.mean, out) - spread), spread);
+  measures.original_area_variance = area_variance(before.positions, before.triangles);
+  measures.area_variance = area_variance(after.positions, after.triangles);
+  MeshVariationOptions options;
+  options.original_left_out = vertices_on_creases(before.positions, before.triangles, crease_angle);
+  options.left_out = vertices_on_creases(after.positions, after.triangles, crease_angle);
+  options.relative_edges = true;
+  const MeshVariation variation =
+      mesh_variation(before.positions, before.triangles, after.positions, after.triangles, options);
+  measures.curvature_change = known(variation.mean_curvature);
+  measures.edge_variance_change = known(variation.edge_variance);
+  measures.area_variance_change = known(variation.area_variance);
+  measures.curvature_variance_change = known(variation.curvature_variance);
 
   progress.report("measuring", 0.5);
   const TriangleTree tree(after.positions, after.triangles);
+  const double diameter = bounding_box_diagonal(before.positions);
   if (diameter > 0) measures.mean_distance = distances(tree.closest(before.positions)).mean() / diameter;
 
   measures.normal_error = normal_error(before, after, tree);

@@ -6,12 +6,10 @@
 namespace batten {
 
 /// How a remeshed surface differs from the original: the five measures of H, table 2.3, and the error of its
-/// normals. Maps per vertex are compared as H does: the value at every original vertex with that at the
-/// nearest vertex of the result. Vertices on borders are left out of curvatures.
+/// normals. The first four are those of mesh_variation(), without creases, with 0 for a ratio to nothing.
 struct RemeshMeasures {
   double curvature_change = 0;  ///< ΔH = ‖H − H0‖ / ‖H0‖ (2.50)
-  /// ΔVar(E) = ‖Var(E) − Var(E0)‖ / ‖Var(E0)‖ (2.51), with the variances of the edges at a vertex taken over
-  /// the squared mean edge of their mesh.
+  /// ΔVar(E) = ‖Var(E) − Var(E0)‖ / ‖Var(E0)‖ (2.51), each over the squared mean edge of its mesh.
   double edge_variance_change = 0;
   /// ΔVar(A) = |Var(A) − Var(A0)| / Var(A0), with (2.49) over Nv Ā²: as printed it grows with the unit and
   /// the number of vertices.

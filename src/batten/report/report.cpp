@@ -72,6 +72,8 @@ td,th{text-align:left;padding:.26rem .5rem .26rem 0;border-top:1px solid var(--l
 tr:first-child td,tr:first-child th{border-top:0}
 td.value{text-align:right;white-space:nowrap;font-weight:550}
 td.unit{color:var(--soft);padding-right:0;width:40%}
+.grid{overflow-x:auto;margin-bottom:1rem}.grid p{margin:.2rem 0 .6rem;color:var(--soft);font-size:.88rem}
+.grid th{font-weight:600;border-top:0;vertical-align:bottom;overflow-wrap:normal}.grid td{white-space:nowrap}
 .stages td{white-space:nowrap}
 .stages td.bar{width:70%;padding-right:0}
 .bar span{display:block;height:.95rem;background:var(--bar);border-radius:3px;min-width:2px;margin-top:.25rem;print-color-adjust:exact;-webkit-print-color-adjust:exact}
@@ -117,6 +119,23 @@ void add_tables(std::string& page, const Report& report) {
     page += "</table></div>\n";
   }
   page += "</div></section>\n";
+}
+
+void add_grids(std::string& page, const Report& report) {
+  for (const ReportGrid& grid : report.grids) {
+    page += concat("<section><h2>", escaped(grid.title), "</h2><div class=\"card grid\">");
+    if (!grid.note.empty()) page += concat("<p>", escaped(grid.note), "</p>");
+    page += "<table>\n<tr>";
+    for (const std::string& column : grid.columns) page += concat("<th>", escaped(column), "</th>");
+    page += "</tr>\n";
+    for (const std::vector<std::string>& row : grid.rows) {
+      page += "<tr>";
+      for (std::size_t i = 0; i < grid.columns.size(); ++i)
+        page += concat("<td>", i < row.size() ? escaped(row[i]) : std::string(), "</td>");
+      page += "</tr>\n";
+    }
+    page += "</table></div></section>\n";
+  }
 }
 
 void add_errors(std::string& page, const ReportErrors& errors) {
@@ -226,6 +245,7 @@ std::string html(const Report& report) {
     for (const std::string& warning : report.warnings) page += concat("<li>", escaped(warning), "</li>\n");
     page += "</ul></section>\n";
   }
+  add_grids(page, report);
   add_pictures(page, report);
   add_tables(page, report);
   if (report.errors) add_errors(page, *report.errors);

@@ -27,6 +27,14 @@ struct ReportTable {
   std::vector<ReportFigure> figures;
 };
 
+/// A table with a heading over every column, for experiments with many cases.
+struct ReportGrid {
+  std::string title;                           ///< "Table 2.3: remeshing"
+  std::string note;                            ///< below the title, what the columns mean; may be empty
+  std::vector<std::string> columns;            ///< the headings
+  std::vector<std::vector<std::string>> rows;  ///< one entry per column; missing ones stay empty
+};
+
 /// An option of the run.
 struct ReportOption {
   std::string name, value;
@@ -46,6 +54,7 @@ struct Report {
   std::string version;       ///< of the program
   std::string command_line;  ///< to repeat the run
   std::vector<ReportPicture> pictures;
+  std::vector<ReportGrid> grids;
   std::vector<ReportTable> tables;
   std::optional<ReportErrors> errors;
   std::vector<std::string> warnings;  ///< in words

@@ -1,0 +1,500 @@
+#include "thesis_h.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <optional>
+
+#include "batten/core/error.hpp"
+#include "batten/core/text.hpp"
+#include "batten/core/units.hpp"
+#include "batten/fairing/fair.hpp"
+#include "batten/fairing/noise.hpp"
+#include "batten/io/mesh_io.hpp"
+#include "batten/mesh/adjacency.hpp"
+#include "batten/mesh/areas.hpp"
+#include "batten/mesh/compare.hpp"
+#include "batten/mesh/normals.hpp"
+#include "batten/mesh/quality.hpp"
+#include "batten/remeshing/measures.hpp"
+#include "batten/remeshing/remesh.hpp"
+#include "batten/render/render.hpp"
+#include "batten/simplification/simplify.hpp"
+
+namespace batten::cli {
+
+namespace {
+
+/// H Table 2.1: counts and volumes of the meshes, and the noise c1, c2 of (2.36) put on them.
+struct MeshData {
+  const char* mesh;
+  long n_vertices;
+  double volume;
+  double c1, c2;
+};
+constexpr MeshData kTable21[] = {{"fandisk", 25894, 0.234024, -0.6, -0.6},
+                                 {"oilpump", 41090, 0.184494, -0.8, -0.8},
+                                 {"igea", 134345, 0.376882, 0.8, 0.8}};
+
+/// H Table 2.2: time step τ, iterations, ΔV "%", and σ of (2.30), 0 for none.
+struct FairingRow {
+  const char *mesh, *algorithm;
+  double time_step;
+  int iterations;
+  double volume_change, similarity;
+};
+constexpr FairingRow kTable22[] = {
+    {"fandisk", "MCF", 0.013, 10, 8.11e-4, 0},      {"fandisk", "SDF", 0.139, 10, 0.89e-4, 0},
+    {"fandisk", "NL-SDF", 0.139, 10, 0.92e-4, 0.6}, {"oilpump", "MCF", 0.013, 10, 5.93e-4, 0},
+    {"oilpump", "SDF", 0.077, 10, 0.32e-4, 0},      {"oilpump", "NL-SDF", 0.022, 10, 0.32e-4, 0.5},
+    {"igea", "MCF", 0.146, 20, 3.90e-4, 0},         {"igea", "SDF", 0.141, 20, 0.02e-4, 0},
+    {"igea", "NL-SDF", 0.141, 20, 0.02e-4, 0.6}};
+
+/// H Table 2.3: iterations; ΔH, ΔVar(E), ΔVar(A), ΔVar(H) in per cent; one-sided mean distance.
+struct RemeshRow {
+  const char *mesh, *method;
+  int iterations;
+  double curvature, edges, areas, curvature_variance, distance;
+};
+constexpr RemeshRow kTable23[] = {{"hand", "AR", 5, 17.8, 77.2, 61.2, 5.9, 0.002},
+                                  {"hand", "LF", 5, 40.3, 78.4, 51.6, 47.1, 0.003},
+                                  {"gargoyle", "AR", 10, 26.4, 63.7, 47.5, 14.3, 0.007},
+                                  {"gargoyle", "LF", 10, 69.0, 81.6, 48.0, 59.7, 0.016},
+                                  {"fandisk", "AR", 20, 4.7, 51.7, 55.2, 0.8, 0.005},
+                                  {"fandisk", "LF", 20, 30.3, 74.4, 31.0, 5.9, 0.013},
+                                  {"igea", "AR", 20, 12.9, 57.3, 41.4, 5.2, 0.004},
+                                  {"igea", "LF", 20, 27.5, 64.9, 41.5, 34.3, 0.005},
+                                  {"foot", "AR", 10, 13.1, 92.8, 65.4, 3.7, 0.007},
+                                  {"foot", "LF", 10, 28.2, 93.0, 62.7, 22.5, 0.008}};
+
+/// H Tables 2.4 and 2.5: share removed in per cent; dmax, dmean, dRMS (2.102–2.104) of MeshLab and of H.
+struct SimplifyRow {
+  const char* mesh;
+  double removed;
+  double meshlab[3], thesis[3];
+};
+constexpr SimplifyRow kTable24[] = {
+    {"cube-hole", 80, {0.451881, 0.020130, 0.057686}, {0.041205, 0.000515, 0.001484}},
+    {"cube-hole", 90, {0.312231, 0.008965, 0.032611}, {0.021760, 0.000822, 0.001798}},
+    {"cube-hole", 95, {0.418654, 0.015544, 0.046249}, {0.014150, 0.000815, 0.001572}},
+    {"cube-hole", 97, {0.522198, 0.019978, 0.060159}, {0.009750, 0.000937, 0.001454}},
+    {"fandisk", 80, {0.052219, 0.000163, 0.001662}, {0.007219, 0.000331, 0.000728}},
+    {"fandisk", 90, {0.054350, 0.000450, 0.003027}, {0.007670, 0.000505, 0.000976}},
+    {"fandisk", 95, {0.054343, 0.000536, 0.002795}, {0.013716, 0.000855, 0.001540}},
+    {"fandisk", 97, {0.098489, 0.001068, 0.006474}, {0.020589, 0.001210, 0.002178}},
+    {"mechpart", 80, {0.004266, 0.000380, 0.000633}, {0.011192, 0.001768, 0.002482}},
+    {"mechpart", 90, {0.010306, 0.001085, 0.001842}, {0.021135, 0.003309, 0.005000}},
+    {"mechpart", 95, {0.026714, 0.003438, 0.005651}, {0.036440, 0.005390, 0.008207}},
+    {"mechpart", 97, {0.083372, 0.011076, 0.017769}, {0.068840, 0.010379, 0.016617}}};
+constexpr SimplifyRow kTable25[] = {
+    {"horse", 99, {0.028324, 0.002269, 0.003014}, {0.023522, 0.002283, 0.002976}},
+    {"horse", 99.9, {0.161733, 0.018871, 0.027483}, {0.161740, 0.020073, 0.027316}},
+    {"dinosaur", 99, {0.022501, 0.003289, 0.004312}, {0.018831, 0.003295, 0.004232}},
+    {"dinosaur", 99.9, {0.125394, 0.018922, 0.024967}, {0.134250, 0.018896, 0.025031}},
+    {"foot", 99, {0.023356, 0.003518, 0.004635}, {0.017761, 0.003127, 0.004170}},
+    {"foot", 99.9, {0.110770, 0.024386, 0.031521}, {0.090827, 0.025222, 0.030887}},
+    {"hand", 99, {0.015215, 0.002073, 0.002715}, {0.017967, 0.001979, 0.002536}},
+    {"hand", 99.9, {0.121775, 0.017971, 0.024672}, {0.085372, 0.017085, 0.022208}},
+    {"igea", 99, {0.012795, 0.001324, 0.001753}, {0.011045, 0.001340, 0.001759}},
+    {"igea", 99.9, {0.046810, 0.008417, 0.010807}, {0.042718, 0.008091, 0.010267}}};
+
+constexpr std::uint64_t kNoiseSeed = 1;
+
+std::string number(double value, const char* format = "%.3g") {
+  char text[48];
+  std::snprintf(text, sizeof text, format, value);
+  return text;
+}
+
+/// The numbers of vertices and faces of a mesh, for captions.
+std::string counts(const TriangleMesh& mesh) {
+  return concat(mesh.n_vertices(), " vertices, ", mesh.n_triangles(), " triangles.");
+}
+
+/// Every triangle cut into four by the midpoints of its sides.
+TriangleMesh midpoint_subdivided(const TriangleMesh& mesh) {
+  const MeshEdges edges = mesh_edges(mesh.triangles, mesh.n_vertices());
+  TriangleMesh result;
+  result.positions.resize(mesh.n_vertices() + edges.n_edges(), 3);
+  result.positions.topRows(mesh.n_vertices()) = mesh.positions;
+  for (Eigen::Index e = 0; e < edges.n_edges(); ++e)
+    result.positions.row(mesh.n_vertices() + e) =
+        (mesh.positions.row(edges.vertices(e, 0)) + mesh.positions.row(edges.vertices(e, 1))) / 2;
+  result.triangles.resize(4 * mesh.n_triangles(), 3);
+  for (Eigen::Index f = 0; f < mesh.n_triangles(); ++f) {
+    const Eigen::RowVector3i corner = mesh.triangles.row(f);
+    const Eigen::RowVector3i middle = edges.of_triangle.row(f).array() + static_cast<int>(mesh.n_vertices());
+    for (int k = 0; k < 3; ++k) result.triangles.row(4 * f + k) << corner[k], middle[k], middle[(k + 2) % 3];
+    result.triangles.row(4 * f + 3) = middle;
+  }
+  return result;
+}
+
+/// Mean angle between the normals of corresponding triangles, degrees; triangles without area do not count.
+double normal_error_deg(const Points& truth, const Points& positions, const Triangles& triangles) {
+  const Points a = face_normals(truth, triangles), b = face_normals(positions, triangles);
+  double sum = 0;
+  Eigen::Index count = 0;
+  for (Eigen::Index f = 0; f < a.rows(); ++f) {
+    if (!(a.row(f).squaredNorm() > 0 && b.row(f).squaredNorm() > 0)) continue;
+    sum += std::acos(std::clamp(a.row(f).dot(b.row(f)), -1.0, 1.0));
+    ++count;
+  }
+  return count > 0 ? degrees(sum / static_cast<double>(count)) : 0;
+}
+
+class Experiments {
+ public:
+  Experiments(std::string folder, bool pictures, const Progress& progress)
+      : folder_(std::move(folder)), pictures_(pictures), progress_(progress) {}
+
+  void fairing();
+  void remeshing();
+  template <std::size_t n>
+  void simplification(const char* number_of_table, const char* title, const SimplifyRow (&table)[n]);
+
+  ThesisTables take() { return std::move(result_); }
+
+ private:
+  const TriangleMesh* mesh(const std::string& name);
+  void draw(const std::string& table, const std::string& mesh_name, const std::string& title,
+            const std::string& caption, const TriangleMesh& mesh, Shading shading, double zoom = 1);
+  /// Runs one case; false, with a warning, where the method refuses the mesh.
+  template <typename Work>
+  bool attempt(const std::string& stage, const std::string& what, Work&& work) {
+    const ScopedStage timed(result_.times, stage);
+    progress_.report(what, 0);
+    try {
+      work();
+      return true;
+    } catch (const Cancelled&) {
+      throw;
+    } catch (const Error& error) {
+      result_.warnings.push_back(concat(what, ": ", error.what()));
+      return false;
+    }
+  }
+
+  std::string folder_;
+  bool pictures_;
+  const Progress& progress_;
+  ThesisTables result_;
+  std::map<std::string, std::optional<TriangleMesh>> meshes_;
+};
+
+/// The mesh of a name of the thesis, or null where it is not at hand.
+const TriangleMesh* Experiments::mesh(const std::string& name) {
+  const auto known = meshes_.find(name);
+  if (known != meshes_.end()) return known->second ? &*known->second : nullptr;
+  // Files write the name in several ways: cube-hole, cube_hole, cubehole.
+  std::vector<std::string> spellings = {name};
+  for (const char* joint : {"_", ""}) {
+    const std::size_t dash = name.find('-');
+    if (dash != std::string::npos) spellings.push_back(name.substr(0, dash) + joint + name.substr(dash + 1));
+  }
+  std::optional<TriangleMesh>& found = meshes_[name];
+  if (!folder_.empty())
+    for (const char* inner : {"/", "/meshes/"})
+      for (const std::string& spelling : spellings)
+        for (const char* extension : {".ply", ".obj", ".off", ".stl"})
+          for (const char* packed : {"", ".gz"}) {
+            const std::string path = concat(folder_, inner, spelling, extension, packed);
+            if (found || !std::filesystem::is_regular_file(path)) continue;
+            const ScopedStage stage(result_.times, "read");
+            found = read_mesh(path, &result_.warnings);
+            result_.meshes[name] = {
+                {"file", path}, {"vertices", found->n_vertices()}, {"faces", found->n_triangles()}};
+          }
+  if (!found) result_.missing.push_back(name);
+  return found ? &*found : nullptr;
+}
+
+void Experiments::draw(const std::string& table, const std::string& mesh_name, const std::string& title,
+                       const std::string& caption, const TriangleMesh& mesh, Shading shading, double zoom) {
+  if (!pictures_ || mesh.n_triangles() == 0) return;
+  const ScopedStage stage(result_.times, "draw");
+  RenderOptions options;
+  options.shading = shading;
+  options.width = 560;
+  options.height = 420;
+  // Heads and animals of the public collections stand along y.
+  if (mesh_name == "igea") options.view = {.azimuth_deg = 70, .elevation_deg = 10, .up_axis = 1};
+  options.view.zoom = zoom;
+  result_.pictures.push_back({concat("Table ", table, ", ", mesh_name, ": ", title), caption,
+                              encode_png(render({.mesh = &mesh}, options, progress_)), false});
+}
+
+void Experiments::fairing() {
+  ReportGrid grid;
+  grid.title = "Table 2.2: fairing";
+  grid.note =
+      "H: as printed. ΔV: difference of the volume from that of the mesh without noise; ours in per cent of "
+      "it "
+      "(the printed ones, whatever their unit, are none). Normals: mean angle "
+      "between the triangles of the result and those without noise, the noisy mesh first. Noise by (2.36) "
+      "with the bounds of Table 2.1, in mean edge lengths. σ is 0.6. auto is the default of batten fair.";
+  grid.columns = {"mesh",       "algorithm", "τ (H)",      "τ ours", "steps (H)",
+                  "steps ours", "ΔV (H)",    "ΔV ours, %", "σ (H)",  "normals ours"};
+  Json& json = result_.tables["2.2"] = Json::array();
+  for (const MeshData& data : kTable21) {
+    const TriangleMesh* given = mesh(data.mesh);
+    TriangleMesh clean, noisy;
+    double clean_volume = 0;
+    if (given != nullptr) {
+      clean = *given;
+      // fandisk is at hand with a quarter of the thesis's triangles, from which one subdivision makes them.
+      if (mesh_edges(clean.triangles, clean.n_vertices()).n_edges() + clean.n_vertices() == data.n_vertices)
+        clean = midpoint_subdivided(clean);
+      noisy = clean;
+      const auto make_noisy = [&] {
+        noisy.positions = add_thesis_noise(clean.positions, clean.triangles, std::abs(data.c1),
+                                           std::abs(data.c2), kNoiseSeed);
+        clean_volume = enclosed_volume(clean.positions, clean.triangles);
+      };
+      if (!attempt("noise", concat("noise on ", data.mesh), make_noisy)) given = nullptr;
+    }
+    const auto measured = [&](const Points& positions) {
+      Json ours = Json::object();
+      const double change = enclosed_volume(positions, clean.triangles) / clean_volume - 1;
+      ours["volume_change_percent"] = std::isfinite(change) ? Json(100 * std::abs(change)) : Json(nullptr);
+      ours["normal_error_deg"] = normal_error_deg(clean.positions, positions, clean.triangles);
+      return ours;
+    };
+    const auto add = [&](const std::string& algorithm, const FairingRow* thesis, const Json& ours) {
+      Json row = {{"mesh", data.mesh}, {"algorithm", algorithm}, {"thesis", nullptr}, {"ours", ours}};
+      std::vector<std::string> cells = {data.mesh, algorithm, "", "", "", "", "", "", "", ""};
+      if (thesis != nullptr) {
+        row["thesis"] = {{"time_step", thesis->time_step},
+                         {"iterations", thesis->iterations},
+                         {"volume_change", thesis->volume_change}};
+        cells[2] = number(thesis->time_step);
+        cells[4] = concat(thesis->iterations);
+        cells[6] = number(thesis->volume_change);
+        if (thesis->similarity > 0) {
+          row["thesis"]["similarity"] = thesis->similarity;
+          cells[8] = number(thesis->similarity);
+        }
+      }
+      if (!ours.is_null()) {
+        if (ours.contains("time_step") && !ours["time_step"].is_null())
+          cells[3] = number(ours["time_step"].get<double>());
+        if (ours.contains("iterations")) cells[5] = concat(ours["iterations"].get<int>());
+        if (!ours["volume_change_percent"].is_null())
+          cells[7] = number(ours["volume_change_percent"].get<double>(), "%.4f");
+        cells[9] = number(ours["normal_error_deg"].get<double>(), "%.2f") + "°";
+      }
+      grid.rows.push_back(std::move(cells));
+      json.push_back(std::move(row));
+    };
+    if (given != nullptr) {
+      draw("2.2", data.mesh, "without noise", counts(clean), clean, Shading::Shaded);
+      draw("2.2", data.mesh, "with noise", "", noisy, Shading::Shaded);
+      add("noisy", nullptr, measured(noisy.positions));
+    }
+    const auto run = [&](const std::string& algorithm, const FairingRow* thesis, FairingMethod method) {
+      Json ours;
+      if (given != nullptr)
+        attempt("fair", concat("fairing ", data.mesh, " by ", algorithm), [&] {
+          FairingOptions options;
+          options.method = method;
+          if (thesis != nullptr) options.iterations = thesis->iterations;
+          const FairingResult faired = fair(noisy.positions, noisy.triangles, options, progress_);
+          TriangleMesh smooth = noisy;
+          smooth.positions = faired.positions;
+          ours = measured(faired.positions);
+          ours["iterations"] = faired.iterations;
+          ours["time_step"] = faired.time_step > 0 ? Json(faired.time_step) : Json(nullptr);
+          draw("2.2", data.mesh, algorithm,
+               concat("Normals off by ", number(ours["normal_error_deg"].get<double>()), "°."), smooth,
+               Shading::Shaded);
+        });
+      add(algorithm, thesis, ours);
+    };
+    for (const FairingRow& row : kTable22) {
+      if (std::string(row.mesh) != data.mesh) continue;
+      const std::string algorithm = row.algorithm;
+      run(algorithm, &row,
+          algorithm == "MCF"   ? FairingMethod::MeanCurvature
+          : algorithm == "SDF" ? FairingMethod::SurfaceDiffusion
+                               : FairingMethod::NonlocalSurfaceDiffusion);
+    }
+    if (given != nullptr) run("auto", nullptr, FairingMethod::Automatic);
+  }
+  result_.grids.push_back(std::move(grid));
+}
+
+void Experiments::remeshing() {
+  ReportGrid grid;
+  grid.title = "Table 2.3: remeshing";
+  grid.note =
+      "Each figure: H / ours. Changes in per cent; ours with areas and edges over their means, and without "
+      "borders and kept edges in ΔH and ΔVar(H). d_h: mean distance of the original's vertices from the "
+      "result, ours over the diameter. Smallest angle: mean over the triangles; normals: mean angle by area.";
+  grid.columns = {"mesh",    "method", "rounds",         "ΔH",     "ΔVar(E)", "ΔVar(A)",
+                  "ΔVar(H)", "d_h",    "smallest angle", "normals"};
+  Json& json = result_.tables["2.3"] = Json::array();
+  std::string drawn;
+  for (const RemeshRow& row : kTable23) {
+    const TriangleMesh* original = mesh(row.mesh);
+    // Enlarged until triangles can be told apart.
+    const double zoom =
+        original == nullptr ? 1 : std::max(1.0, std::round(std::sqrt(original->n_triangles() / 6000.0)));
+    const std::string enlarged = zoom > 1 ? concat(" Enlarged ", zoom, " times.") : std::string();
+    if (original != nullptr && drawn != row.mesh)
+      draw("2.3", row.mesh, "original", counts(*original) + enlarged, *original, Shading::Wireframe, zoom);
+    drawn = row.mesh;
+    Json ours;
+    if (original != nullptr)
+      attempt("remesh", concat("remeshing ", row.mesh, " by ", row.method), [&] {
+        RemeshOptions options;
+        options.method =
+            std::string(row.method) == "LF" ? RemeshMethod::LaplacianFlow : RemeshMethod::Adaptive;
+        options.max_iterations = row.iterations;
+        const RemeshResult made = remesh(*original, options, progress_);
+        const RemeshMeasures measures = remesh_measures(*original, made.mesh, options.keep_edges, progress_);
+        const MeshQuality quality = mesh_quality(made.mesh.positions, made.mesh.triangles);
+        ours = {{"iterations", made.report.iterations},
+                {"vertices", made.mesh.n_vertices()},
+                {"curvature_change", measures.curvature_change},
+                {"edge_variance_change", measures.edge_variance_change},
+                {"area_variance_change", measures.area_variance_change},
+                {"curvature_variance_change", measures.curvature_variance_change},
+                {"mean_distance", measures.mean_distance},
+                {"mean_smallest_angle_deg", degrees(quality.mean_min_angle)},
+                {"normal_error_deg", degrees(measures.normal_error)}};
+        draw("2.3", row.mesh, row.method, counts(made.mesh) + enlarged, made.mesh, Shading::Wireframe, zoom);
+      });
+    const auto cell = [&](double thesis, const char* key, double scale, const char* format) {
+      return concat(thesis, " / ", ours.is_null() ? "–" : number(scale * ours[key].get<double>(), format));
+    };
+    grid.rows.push_back(
+        {row.mesh, row.method,
+         concat(row.iterations, " / ", ours.is_null() ? "–" : concat(ours["iterations"].get<int>())),
+         cell(row.curvature, "curvature_change", 100, "%.1f"),
+         cell(row.edges, "edge_variance_change", 100, "%.1f"),
+         cell(row.areas, "area_variance_change", 100, "%.1f"),
+         cell(row.curvature_variance, "curvature_variance_change", 100, "%.1f"),
+         cell(row.distance, "mean_distance", 1, "%.1e"),
+         ours.is_null() ? "" : number(ours["mean_smallest_angle_deg"].get<double>(), "%.1f") + "°",
+         ours.is_null() ? "" : number(ours["normal_error_deg"].get<double>(), "%.2f") + "°"});
+    json.push_back({{"mesh", row.mesh},
+                    {"method", row.method},
+                    {"thesis",
+                     {{"iterations", row.iterations},
+                      {"curvature_change", row.curvature / 100},
+                      {"edge_variance_change", row.edges / 100},
+                      {"area_variance_change", row.areas / 100},
+                      {"curvature_variance_change", row.curvature_variance / 100},
+                      {"mean_distance", row.distance}}},
+                    {"ours", ours}});
+  }
+  result_.grids.push_back(std::move(grid));
+}
+
+template <std::size_t n>
+void Experiments::simplification(const char* number_of_table, const char* title,
+                                 const SimplifyRow (&table)[n]) {
+  constexpr const char* kNames[] = {"dmax", "dmean", "drms"};
+  ReportGrid grid;
+  grid.title = concat("Table ", number_of_table, ": ", title);
+  grid.note =
+      "Distances of the original's vertices from the result (2.102–2.104). H and MeshLab: as printed by H, "
+      "in "
+      "the unit of its mesh; behind it over the diameter, where Table 2.1 gives the volume and so the size. "
+      "Ours: over the diameter. Back: the largest distance of the result from the original. Default: batten "
+      "simplify; p-Laplacian: its --method plaplacian, the thesis's.";
+  grid.columns = {"mesh", "removed, %", "by", "dmax", "dmean", "dRMS", "back", "smallest angle", "faces"};
+  Json& json = result_.tables[number_of_table] = Json::array();
+  std::string drawn;
+  for (const SimplifyRow& row : table) {
+    const TriangleMesh* original = mesh(row.mesh);
+    const double diameter = original == nullptr ? 0 : bounding_box_diagonal(original->positions);
+    // Unit of the thesis over the unit of the file, from the volumes of both.
+    double diameter_of_thesis = 0;
+    for (const MeshData& data : kTable21)
+      if (original != nullptr && std::string(data.mesh) == row.mesh) {
+        const double volume = enclosed_volume(original->positions, original->triangles);
+        if (volume > 0) diameter_of_thesis = diameter * std::cbrt(data.volume / volume);
+      }
+    const auto add_printed = [&](const char* by, const double(&figures)[3]) {
+      std::vector<std::string> cells = {row.mesh, number(row.removed), by};
+      Json printed = Json::object();
+      for (int k = 0; k < 3; ++k) {
+        printed[kNames[k]] = figures[k];
+        cells.push_back(concat(number(figures[k], "%.6f")));
+        if (diameter_of_thesis > 0) {
+          printed["relative"][kNames[k]] = figures[k] / diameter_of_thesis;
+          cells.back() += concat(" (", number(figures[k] / diameter_of_thesis, "%.1e"), ")");
+        }
+      }
+      grid.rows.push_back(std::move(cells));
+      return printed;
+    };
+    Json entry = {{"mesh", row.mesh}, {"removed_percent", row.removed}};
+    entry["meshlab"] = add_printed("MeshLab (H)", row.meshlab);
+    entry["thesis"] = add_printed("H", row.thesis);
+    if (original != nullptr && drawn != row.mesh)
+      draw(number_of_table, row.mesh, "original", counts(*original), *original, Shading::Wireframe);
+    drawn = row.mesh;
+    const auto run = [&](const char* key, const char* by, SimplifyMethod method) {
+      Json& ours = entry[key] = nullptr;
+      if (original == nullptr) return;
+      attempt("simplify", concat("simplifying ", row.mesh, " by ", row.removed, " %"), [&] {
+        SimplifyOptions options;
+        options.method = method;
+        options.remove = row.removed / 100;
+        const SimplifyResult made = simplify(*original, options, progress_);
+        if (!made.reached)
+          result_.warnings.push_back(concat(row.mesh, ": no more than ",
+                                            original->n_triangles() - made.mesh.n_triangles(), " of ",
+                                            original->n_triangles(), " faces could be removed"));
+        const Comparison comparison = compare({original->positions, original->triangles, {}},
+                                              {made.mesh.positions, made.mesh.triangles, {}}, {}, progress_);
+        const MeshQuality quality = mesh_quality(made.mesh.positions, made.mesh.triangles);
+        const DistanceFigures& figures = comparison.a_to_b.vertices;
+        const double back = std::max(comparison.b_to_a.vertices.max, comparison.b_to_a.samples.max);
+        ours = {{"dmax", figures.max / diameter},
+                {"dmean", figures.mean / diameter},
+                {"drms", figures.rms / diameter},
+                {"back_dmax", back / diameter},
+                {"mean_min_angle_deg", degrees(quality.mean_min_angle)},
+                {"faces", made.mesh.n_triangles()}};
+        grid.rows.push_back({row.mesh, number(row.removed), by, number(figures.max / diameter, "%.1e"),
+                             number(figures.mean / diameter, "%.1e"), number(figures.rms / diameter, "%.1e"),
+                             number(back / diameter, "%.1e"),
+                             number(degrees(quality.mean_min_angle), "%.1f") + "°",
+                             concat(made.mesh.n_triangles())});
+        draw(number_of_table, row.mesh, concat(number(row.removed), " % removed, ", by), counts(made.mesh),
+             made.mesh, Shading::Wireframe);
+      });
+    };
+    run("plaplacian", "p-Laplacian", SimplifyMethod::PLaplacian);
+    run("ours", "default", SimplifyMethod::Quadric);
+    json.push_back(std::move(entry));
+  }
+  result_.grids.push_back(std::move(grid));
+}
+
+}  // namespace
+
+const std::vector<std::string>& thesis_h_tables() {
+  static const std::vector<std::string> tables = {"2.2", "2.3", "2.4", "2.5"};
+  return tables;
+}
+
+ThesisTables thesis_h(const std::string& folder, const std::vector<std::string>& tables, bool pictures,
+                      const Progress& progress) {
+  Experiments experiments(folder, pictures, progress);
+  for (const std::string& table : thesis_h_tables()) {
+    if (std::find(tables.begin(), tables.end(), table) == tables.end()) continue;
+    if (table == "2.2") experiments.fairing();
+    if (table == "2.3") experiments.remeshing();
+    if (table == "2.4") experiments.simplification("2.4", "simplification of meshes with edges", kTable24);
+    if (table == "2.5") experiments.simplification("2.5", "simplification of large meshes", kTable25);
+  }
+  return experiments.take();
+}
+
+}  // namespace batten::cli

@@ -1,0 +1,34 @@
+#pragma once
+#include "command.hpp"
+
+#include <string>
+#include <vector>
+
+#include "batten/report/report.hpp"
+
+namespace batten::cli {
+
+/// The tables of H that can be repeated: "2.2" fairing, "2.3" remeshing, "2.4" and "2.5" simplification.
+const std::vector<std::string>& thesis_h_tables();
+
+/// What thesis_h() found.
+struct ThesisTables {
+  std::vector<ReportGrid> grids;
+  std::vector<ReportPicture> pictures;
+  Json tables = Json::object();  ///< per table a list of rows: what H prints and what was measured
+  Json meshes = Json::object();  ///< per mesh at hand its file and counts
+  std::vector<std::string> missing;
+  std::vector<std::string> warnings;
+  StageTimes times;
+};
+
+/// Repeats the experiments of H chapter 2 on those of its meshes that lie in `folder` or in its folder
+/// "meshes", under their names (fandisk.obj, igea.ply.gz, …). The methods are called as `batten fair`,
+/// `remesh` and `simplify` do. A mesh that a method refuses leaves its places empty, with a warning.
+/// @param folder empty: no mesh is at hand.
+/// @param tables of thesis_h_tables().
+/// @throws FileError when a mesh cannot be read; Cancelled.
+ThesisTables thesis_h(const std::string& folder, const std::vector<std::string>& tables, bool pictures,
+                      const Progress& progress);
+
+}  // namespace batten::cli
