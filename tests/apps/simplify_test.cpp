@@ -64,7 +64,8 @@ TEST(SimplifyCommand, TakesEveryOption) {
 // Every vertex of a level names the vertex of the next level that stands for it.
 TEST(SimplifyCommand, WritesAllLevelsWithMapsBetweenThem) {
   write_file("torus.off", torus(16));
-  const auto run = run_batten("simplify torus.off -o out.ply --faces 200 --levels 3 --keep-all-levels levels --json");
+  const auto run =
+      run_batten("simplify torus.off -o out.ply --faces 200 --levels 3 --keep-all-levels levels --json");
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_EQ(Json::parse(run.out)["levels"].size(), 4U);
   for (int level = 0; level < 4; ++level)

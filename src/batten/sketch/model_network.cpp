@@ -11,8 +11,8 @@ namespace batten {
 
 namespace {
 
-/// Unit normals at the vertices of a quad mesh: means of the corner normals, weighted by their angles, so that
-/// quads of unequal size around a vertex do not pull.
+/// Unit normals at the vertices of a quad mesh: means of the corner normals, weighted by their angles, so
+/// that quads of unequal size around a vertex do not pull.
 Points quad_normals(const PolygonMesh& mesh) {
   Points normals = Points::Zero(mesh.positions.rows(), 3);
   for (Eigen::Index f = 0; f < mesh.n_faces(); ++f) {
@@ -60,7 +60,8 @@ CurveNetwork network_of_model(const PolylineMesh& mesh, const DiffusionSurface& 
   // Ends of edges are nodes even where two edges meet smoothly.
   for (const NetworkCurve& curve : network.curves)
     for (const int end : {curve.vertices.front(), curve.vertices.back()})
-      if (std::find(network.tagged_nodes.begin(), network.tagged_nodes.end(), end) == network.tagged_nodes.end())
+      if (std::find(network.tagged_nodes.begin(), network.tagged_nodes.end(), end) ==
+          network.tagged_nodes.end())
         network.tagged_nodes.push_back(end);
   return network;
 }
