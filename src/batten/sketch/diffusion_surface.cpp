@@ -140,9 +140,9 @@ class Refiner {
   std::vector<char> held_;
 };
 
-/// Every quad cut along the diagonal that leads from the corner of its face towards the centroid: of the ways to
-/// cut, the one that brings great circles nearest to a sphere (largest error of the radius at 16 n quads below
-/// 0.5 %; 1.1 % with the other diagonal, 0.6 % with the mean of both).
+/// Every quad cut along the diagonal that leads from the corner of its face towards the centroid: of the ways
+/// to cut, the one that brings great circles nearest to a sphere (largest error of the radius at 16 n quads
+/// below 0.5 %; 1.1 % with the other diagonal, 0.6 % with the mean of both).
 Triangles cut_quads(const PolygonMesh& mesh) {
   Triangles triangles(2 * mesh.n_faces(), 3);
   for (Index f = 0; f < mesh.n_faces(); ++f) {
