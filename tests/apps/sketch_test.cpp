@@ -16,7 +16,7 @@ const char* const kSquare =
     "{\"op\":\"insert\",\"points\":[[0,0,0],[1,0,0],[1,1,0],[0,1,0]],\"closed\":true}\n";
 
 Json run_json(const std::string& arguments, int exit_code = 0) {
-  const Run run = run_batten(arguments + " --json");
+  const auto run = run_batten(arguments + " --json");
   EXPECT_EQ(run.exit_code, exit_code) << arguments << "\n" << run.err;
   const Json json = Json::parse(run.out, nullptr, false);
   EXPECT_TRUE(json.is_object()) << run.out;
@@ -62,7 +62,7 @@ TEST(SketchCommand, RefusedEditsAreListedAndStrictMakesThemFail) {
 
 TEST(SketchCommand, BadFilesEndWithThreeAndTheLine) {
   write_file("bad.jsonl", std::string(kHeader) + kSquare + "{\"op\":\"cut\"}\n");
-  Run run = run_batten("sketch bad.jsonl -o bad.batten");
+  auto run = run_batten("sketch bad.jsonl -o bad.batten");
   EXPECT_EQ(run.exit_code, 3);
   EXPECT_NE(run.err.find("bad.jsonl:3"), std::string::npos) << run.err;
   EXPECT_FALSE(file_exists("bad.batten"));

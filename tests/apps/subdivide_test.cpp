@@ -16,7 +16,7 @@ const char* const kCube =
     "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
 
 Json run_json(const std::string& arguments) {
-  const Run run = run_batten(arguments + " --json");
+  const auto run = run_batten(arguments + " --json");
   EXPECT_EQ(run.exit_code, 0) << arguments << "\n" << run.err;
   const Json json = Json::parse(run.out, nullptr, false);
   EXPECT_TRUE(json.is_object()) << run.out;
@@ -52,7 +52,7 @@ TEST(SubdivideCommand, HandsSharpnessOnInObjFiles) {
 
 TEST(SubdivideCommand, WritesStep) {
   write_file("cube.obj", kCube);
-  const Run run = run_batten("subdivide cube.obj --step cube.step --unit mm --json");
+  const auto run = run_batten("subdivide cube.obj --step cube.step --unit mm --json");
   if (run.err.find("has no Open Cascade") != std::string::npos) GTEST_SKIP() << run.err;
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const Json json = Json::parse(run.out);
@@ -76,7 +76,7 @@ TEST(SubdivideCommand, TellsUsageFromInput) {
   EXPECT_EQ(run_batten("subdivide cube.obj --step x.iges").exit_code, 3);
   EXPECT_EQ(run_batten("subdivide missing.obj -o x.ply").exit_code, 3);
   write_file("turned.obj", std::string(kCube) + "f 1 2 3 4\n");
-  const Run run = run_batten("subdivide turned.obj -o x.ply");
+  const auto run = run_batten("subdivide turned.obj -o x.ply");
   EXPECT_EQ(run.exit_code, 3);
   EXPECT_NE(run.err.find("belongs to"), std::string::npos) << run.err;
   EXPECT_FALSE(file_exists("x.ply"));
