@@ -83,7 +83,7 @@ TEST(SketchCommand, ExampleSessionsGiveClosedSurfacesOfTheirGenus) {
     const char* name;
     int genus, faces;
   };
-  const std::string folder = std::string(BATTEN_TEST_DATA) + "/../../examples/sessions/";
+  const std::string folder = std::string(BATTEN_EXAMPLES) + "/sessions/";
   for (const Example& example :
        {Example{"sphere", 0, 8}, Example{"cube", 0, 6}, Example{"cross", 0, 14}, Example{"bottle", 1, 23},
         Example{"charger", 0, 14}, Example{"telephone", 0, 8}}) {

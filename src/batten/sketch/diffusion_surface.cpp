@@ -14,6 +14,7 @@
 #include "batten/linalg/sparse_cholesky.hpp"
 #include "batten/mesh/normals.hpp"
 #include "batten/operators/laplacian.hpp"
+#include "batten/subdivision/subdivide.hpp"
 
 namespace batten {
 
@@ -279,7 +280,9 @@ class Flow {
       for (SparseMatrix::InnerIterator entry(K, j); entry; ++entry) {
         const Index i = entry.row();
         if (i >= j) continue;
-        double weight = options_.time_step * entry.value() *
+        // Obtuse triangles have edges of the other sign: curvature would flow uphill there, and the matrix
+        // need not be positive.
+        double weight = options_.time_step * std::min(0.0, entry.value()) *
                         similarity(sharpness_[static_cast<size_t>(i)], sharpness_[static_cast<size_t>(j)]);
         // The curvature of border vertices is not known; none flows there.
         if (border_[static_cast<size_t>(i)] || border_[static_cast<size_t>(j)]) weight = 0;
@@ -343,6 +346,10 @@ SparseMatrix limit_stencils(const ControlCage& cage) {
     } else if (creases[i].size() == 2) {
       entries.emplace_back(v, v, 2.0 / 3);
       for (const int w : creases[i]) entries.emplace_back(v, w, 1.0 / 6);
+    } else if (neighbours[i].size() == 2) {  // the general weights are not those of the rules for two edges
+      entries.emplace_back(v, v, 1.0 / 8);
+      for (const int w : neighbours[i]) entries.emplace_back(v, w, 3.0 / 8);
+      for (const int w : opposite[i]) entries.emplace_back(v, w, 1.0 / 16);
     } else {
       const double k = static_cast<double>(neighbours[i].size()), share = 1 / (k * (k + 5));
       entries.emplace_back(v, v, k * k * share);
@@ -355,15 +362,20 @@ SparseMatrix limit_stencils(const ControlCage& cage) {
   return stencils;
 }
 
-/// Moves the vertices of the cage until the limit surface goes through `target`: each takes over what its
-/// limit point lacks. The stencils are dominated by their vertex, so that this contracts.
-void fit_limit(ControlCage& cage, const Points& target) {
+/// Moves the vertices of the cage until the limit surface goes through `target`. The stencils above hold but
+/// for darts and semi-sharp creases: their inverse is applied to what the true limit points still lack.
+void fit_limit(ControlCage& cage, const Points& target, const Progress& progress) {
   const SparseMatrix stencils = limit_stencils(cage);
+  SparseCholesky inverse("cage of the limit surface");
+  inverse.factorize(SparseMatrix(stencils.transpose() * stencils));
+  const Index n = target.rows();
   const double size = bounding_box_diagonal(target);
-  for (int k = 0; k < 60; ++k) {
-    const Points lack = target - stencils * cage.mesh.positions;
-    cage.mesh.positions += lack;
+  Subdivision limit(cage, {.levels = 0, .limit = true}, progress);
+  for (int k = 0; k < 30; ++k) {
+    const Points lack = target - limit.surface().limit_positions.topRows(n);
     if (lack.rowwise().norm().maxCoeff() < 1e-10 * size) break;
+    cage.mesh.positions += inverse.solve(Eigen::MatrixXd(stencils.transpose() * lack));
+    limit.move(cage.mesh.positions, progress);
   }
 }
 
@@ -450,7 +462,7 @@ DiffusionSurface diffusion_surface(const PolylineMesh& mesh, const DiffusionOpti
   }
   const ScopedStage stage(surface.times, "cage");
   surface.cage = surface.refined;
-  fit_limit(surface.cage, surface.refined.mesh.positions);
+  fit_limit(surface.cage, surface.refined.mesh.positions, progress);
   return surface;
 }
 
