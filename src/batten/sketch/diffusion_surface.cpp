@@ -13,12 +13,16 @@
 #include "batten/core/text.hpp"
 #include "batten/linalg/sparse_cholesky.hpp"
 #include "batten/mesh/normals.hpp"
+#include "batten/mesh/self_intersections.hpp"
 #include "batten/operators/laplacian.hpp"
 #include "batten/subdivision/subdivide.hpp"
 
 namespace batten {
 
 namespace {
+
+/// Share of the size by which drawn curves may move; they are held softly (λ = 1) and move by per mille.
+constexpr double kFarthestFromCurves = 0.05;
 
 using Eigen::Index;
 using Eigen::Vector3d;
@@ -379,6 +383,28 @@ void fit_limit(ControlCage& cage, const Points& target, const Progress& progress
   }
 }
 
+/// The flow has no bound on faces that are far from convex or long and thin: what comes out folded is
+/// refused.
+void require_sound(const DiffusionSurface& surface, const Points& start) {
+  const Points& positions = surface.refined.mesh.positions;
+  const auto face_of = [&](int triangle) { return surface.face_of_quad[at(triangle) / 2]; };
+  if (positions.allFinite()) {
+    const auto crossing = self_intersections(positions, cut_quads(surface.refined.mesh), 1);
+    if (!crossing.empty())
+      throw InvalidInput(
+          concat("the surface folds or crosses itself in the faces f", face_of(crossing[0].first), " and f",
+                 face_of(crossing[0].second),
+                 "; divide them by another curve, best where they are not convex or are long and thin"));
+  }
+  const double size = bounding_box_diagonal(start);
+  for (Index v = 0; v < positions.rows(); ++v)
+    if (surface.on_curve[static_cast<size_t>(v)] &&
+        !((positions.row(v) - start.row(v)).norm() <= kFarthestFromCurves * size))
+      throw InvalidInput(
+          concat("the surface leaves its curves by more than ", 100 * kFarthestFromCurves,
+                 " % of the size; divide the faces by another curve, best where they are not convex"));
+}
+
 /// Turns closed components so that normals point outwards, by the sign of their volume.
 void turn_outwards(const PolylineMesh& model, DiffusionSurface& surface) {
   std::vector<int> component(model.faces().size(), -1);
@@ -449,6 +475,7 @@ DiffusionSurface diffusion_surface(const PolylineMesh& mesh, const DiffusionOpti
     Refiner(mesh, options.splits).run(surface);
     turn_outwards(mesh, surface);
   }
+  const Points start = surface.refined.mesh.positions;
   {
     const ScopedStage stage(surface.times, "flow");
     Flow flow(surface, vertex_sharpness(mesh, surface), options);
@@ -460,6 +487,7 @@ DiffusionSurface diffusion_surface(const PolylineMesh& mesh, const DiffusionOpti
       if (surface.last_move < 1e-9) break;
     }
   }
+  require_sound(surface, start);
   const ScopedStage stage(surface.times, "cage");
   surface.cage = surface.refined;
   fit_limit(surface.cage, surface.refined.mesh.positions, progress);

@@ -50,8 +50,8 @@ struct DiffusionSurface {
 /// components are turned so that their normals point outwards.
 /// Vertices that lie on a border or on sharp curves take no part in the diffusion (6.5), and their rows
 /// of the refit are left out, so that a crease bends freely.
-/// @throws InvalidInput on bad options, an empty model, or more than 2 million quads; SolverFailure;
-/// Cancelled.
+/// @throws InvalidInput on bad options, an empty model, more than 2 million quads, and where the surface
+/// would fold, cross itself or leave its curves, with the faces; SolverFailure; Cancelled.
 DiffusionSurface diffusion_surface(const PolylineMesh& mesh, const DiffusionOptions& options = {},
                                    const Progress& progress = {});
 
