@@ -107,9 +107,9 @@ std::vector<Hit> find_hits(const PolylineMesh& mesh, const Polyline& line, doubl
   return hits;
 }
 
-Contact contact_of(const PolylineMesh& mesh, const Hit& hit, double snap) {
+StrokeContact contact_of(const PolylineMesh& mesh, const Hit& hit, double snap) {
   const SketchEdge& edge = mesh.edge(hit.edge);
-  Contact contact;
+  StrokeContact contact;
   contact.arc = hit.arc;
   contact.edge = hit.edge;
   contact.edge_arc = hit.edge_arc;
@@ -129,7 +129,7 @@ Contact contact_of(const PolylineMesh& mesh, const Hit& hit, double snap) {
   return contact;
 }
 
-bool same_place(const Contact& a, const Contact& b, double snap) {
+bool same_place(const StrokeContact& a, const StrokeContact& b, double snap) {
   if (a.vertex >= 0 || b.vertex >= 0) return a.vertex == b.vertex;
   return a.edge == b.edge && std::abs(a.edge_arc - b.edge_arc) <= 2 * snap;
 }
@@ -143,11 +143,11 @@ std::string text_of_length(double length) {
   return out.str();
 }
 
-std::string name_of(const PolylineMesh& mesh, const Contact& contact) {
+std::string name_of(const PolylineMesh& mesh, const StrokeContact& contact) {
   return contact.vertex >= 0 ? concat("v", contact.vertex) : concat("c", mesh.edge(contact.edge).curve);
 }
 
-std::vector<Contact> find_contacts(const PolylineMesh& mesh, const Stroke& stroke, double snap) {
+std::vector<StrokeContact> find_contacts(const PolylineMesh& mesh, const Stroke& stroke, double snap) {
   Points points = stroke.points;
   if (stroke.closed) {
     points.conservativeResize(points.rows() + 1, 3);
@@ -177,12 +177,12 @@ std::vector<Contact> find_contacts(const PolylineMesh& mesh, const Stroke& strok
     }
   std::stable_sort(nearest.begin(), nearest.end(), [](const Hit& a, const Hit& b) { return a.arc < b.arc; });
 
-  std::vector<Contact> contacts;
+  std::vector<StrokeContact> contacts;
   for (const Hit& hit : nearest) {
-    Contact contact = contact_of(mesh, hit, snap);
+    StrokeContact contact = contact_of(mesh, hit, snap);
     contact.arc = std::min(contact.arc, stroke.length);
     // Edges that meet at a vertex are all met there: one contact, the nearest, the vertex before its edges.
-    Contact* last = contacts.empty() ? nullptr : &contacts.back();
+    StrokeContact* last = contacts.empty() ? nullptr : &contacts.back();
     const bool close =
         last && (contact.position - last->position).norm() <= 2 * snap && contact.arc - last->arc <= 4 * snap;
     if (last && (same_place(contact, *last, snap) || close)) {
@@ -200,7 +200,7 @@ std::vector<Contact> find_contacts(const PolylineMesh& mesh, const Stroke& strok
       contacts.back().arc = stroke.length;  // exactly, whatever rounding did to the line
   }
   if (stroke.closed && contacts.size() > 1) {  // the start may lie on a contact
-    const Contact &first = contacts.front(), &last = contacts.back();
+    const StrokeContact &first = contacts.front(), &last = contacts.back();
     if (first.arc + line.length() - last.arc <= 4 * snap &&
         (same_place(first, last, snap) || (first.position - last.position).norm() <= 2 * snap)) {
       if (last.distance < first.distance)
@@ -235,7 +235,7 @@ NearestPlace nearest_place(const PolylineMesh& mesh, const Vector3d& point) {
   return best;
 }
 
-std::vector<int> contact_vertices(PolylineMesh& mesh, const std::vector<Contact>& contacts) {
+std::vector<int> contact_vertices(PolylineMesh& mesh, const std::vector<StrokeContact>& contacts) {
   std::vector<int> vertices(contacts.size(), -1);
   std::vector<size_t> order(contacts.size());
   for (size_t k = 0; k < order.size(); ++k) order[k] = k;
@@ -244,7 +244,7 @@ std::vector<int> contact_vertices(PolylineMesh& mesh, const std::vector<Contact>
                    [&](size_t a, size_t b) { return contacts[a].edge_arc > contacts[b].edge_arc; });
   for (size_t position = 0; position < order.size(); ++position) {
     const size_t k = order[position];
-    const Contact& contact = contacts[k];
+    const StrokeContact& contact = contacts[k];
     if (contact.vertex >= 0) {
       vertices[k] = contact.vertex;
       if (mesh.vertex(contact.vertex).is_seam) mesh.set_seam(contact.vertex, false);

@@ -9,7 +9,7 @@
 namespace batten::detail {
 
 /// A pair (new point, old point) of H 5.2.1.
-struct Contact {
+struct StrokeContact {
   double arc = 0;                                      ///< along the stroke
   int vertex = -1;                                     ///< the old point is this vertex, or
   int edge = -1;                                       ///< a point of this edge
@@ -21,7 +21,7 @@ struct Contact {
 /// All contacts of a stroke within `snap`, in order along it. Places nearer than `snap` to a vertex count as
 /// that vertex. Costs as much as the part of the model near the stroke.
 /// @throws RefusedEdit when the stroke runs along a curve.
-std::vector<Contact> find_contacts(const PolylineMesh& mesh, const Stroke& stroke, double snap);
+std::vector<StrokeContact> find_contacts(const PolylineMesh& mesh, const Stroke& stroke, double snap);
 
 /// The place of the model nearest to a point. @pre the model is not empty.
 struct NearestPlace {
@@ -33,10 +33,10 @@ struct NearestPlace {
 NearestPlace nearest_place(const PolylineMesh& mesh, const Eigen::Vector3d& point);
 
 /// Turns contacts into vertices of the model, splitting edges. One per contact, in the same order.
-std::vector<int> contact_vertices(PolylineMesh& mesh, const std::vector<Contact>& contacts);
+std::vector<int> contact_vertices(PolylineMesh& mesh, const std::vector<StrokeContact>& contacts);
 
 /// The curve of a contact, for sentences: "c3" or "v5".
-std::string name_of(const PolylineMesh& mesh, const Contact& contact);
+std::string name_of(const PolylineMesh& mesh, const StrokeContact& contact);
 /// A length as sentences give it: three digits.
 std::string text_of_length(double length);
 

@@ -7,7 +7,7 @@ namespace batten {
 
 namespace {
 
-using detail::Contact;
+using detail::StrokeContact;
 
 /// A side without a face that leaves a vertex, or −1.
 int border_side(const PolylineMesh& mesh, int vertex) {
@@ -18,15 +18,15 @@ int border_side(const PolylineMesh& mesh, int vertex) {
   return -1;
 }
 
-bool on_border(const PolylineMesh& mesh, const Contact& contact) {
+bool on_border(const PolylineMesh& mesh, const StrokeContact& contact) {
   if (contact.vertex >= 0) return border_side(mesh, contact.vertex) >= 0;
   const auto& faces = mesh.edge(contact.edge).faces;
   return faces[0] < 0 || faces[1] < 0;
 }
 
-std::vector<Contact> end_contacts(const PolylineMesh& mesh, const Stroke& stroke, double snap,
-                                  const char* which) {
-  std::vector<Contact> contacts = detail::find_contacts(mesh, stroke, snap);
+std::vector<StrokeContact> end_contacts(const PolylineMesh& mesh, const Stroke& stroke, double snap,
+                                        const char* which) {
+  std::vector<StrokeContact> contacts = detail::find_contacts(mesh, stroke, snap);
   const auto far = [&](Eigen::Index row, const char* verb) {
     const auto place = detail::nearest_place(mesh, stroke.points.row(row));
     throw RefusedEdit(concat("the ", which, " stroke ", verb, " ", detail::text_of_length(place.distance),
@@ -41,7 +41,7 @@ std::vector<Contact> end_contacts(const PolylineMesh& mesh, const Stroke& stroke
     throw RefusedEdit(
         concat("the ", which, " stroke crosses ", detail::name_of(mesh, contacts[1]), " on its way"),
         "draw it from border to border without meeting other curves");
-  for (const Contact& contact : contacts)
+  for (const StrokeContact& contact : contacts)
     if (!on_border(mesh, contact))
       throw RefusedEdit(concat("the ", which, " stroke ends on ", detail::name_of(mesh, contact),
                                ", which is not on a border"),
@@ -101,7 +101,7 @@ EditReport glue_borders(PolylineMesh& mesh, const DrawnStroke& first, const Draw
   if (halves)
     for (const int curve : *halves) detail::require_curve(mesh, curve);
   std::array<Stroke, 2> strokes{detail::ready_stroke(first, snap), detail::ready_stroke(second, snap)};
-  std::vector<Contact> contacts;
+  std::vector<StrokeContact> contacts;
   for (size_t k = 0; k < 2; ++k) {
     const char* which = k == 0 ? "first" : "second";
     if (strokes[k].closed)

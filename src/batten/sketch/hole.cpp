@@ -189,7 +189,7 @@ EditReport cut_hole(PolylineMesh& mesh, const DrawnStroke& drawn, const InsertOp
   const auto contacts = detail::find_contacts(mesh, stroke, snap);
   if (contacts.empty()) return hole_in_face(mesh, stroke, snap, options.sharpness);
 
-  for (const detail::Contact& contact : contacts) {
+  for (const detail::StrokeContact& contact : contacts) {
     std::vector<int> edges{contact.edge};
     if (contact.vertex >= 0) edges = mesh.vertex(contact.vertex).edges;
     for (const int e : edges)

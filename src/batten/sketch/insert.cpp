@@ -207,9 +207,10 @@ DrawnCurve place_stroke(PolylineMesh& mesh, const Stroke& stroke, const std::vec
   return drawn;
 }
 
-DrawnCurve place_stroke(PolylineMesh& mesh, const Stroke& stroke, const std::vector<Contact>& contacts) {
+DrawnCurve place_stroke(PolylineMesh& mesh, const Stroke& stroke,
+                        const std::vector<StrokeContact>& contacts) {
   std::vector<HeldPoint> held;
-  for (const Contact& contact : contacts) held.push_back({contact.arc, contact.position});
+  for (const StrokeContact& contact : contacts) held.push_back({contact.arc, contact.position});
   return place_stroke(mesh, stroke, held, contact_vertices(mesh, contacts));
 }
 
@@ -230,7 +231,7 @@ std::vector<int> add_piece(PolylineMesh& mesh, const DrawnCurve& drawn, size_t p
   return chain;
 }
 
-EditReport insert_ready(PolylineMesh& mesh, const Stroke& stroke, const std::vector<Contact>& contacts,
+EditReport insert_ready(PolylineMesh& mesh, const Stroke& stroke, const std::vector<StrokeContact>& contacts,
                         double snap, const InsertOptions& options, int* curve) {
   EditReport report;
   if (!stroke.closed) {
@@ -243,7 +244,7 @@ EditReport insert_ready(PolylineMesh& mesh, const Stroke& stroke, const std::vec
     if (contacts.empty() || contacts.front().arc > 0) refuse_end(mesh, stroke.points.row(0), "starts", snap);
     if (contacts.size() < 2 || contacts.back().arc < stroke.length)
       refuse_end(mesh, stroke.points.row(stroke.points.rows() - 1), "ends", snap);
-    const Contact &start = contacts.front(), &end = contacts.back();
+    const StrokeContact &start = contacts.front(), &end = contacts.back();
     if (contacts.size() == 2 && start.edge >= 0 && start.edge == end.edge) {
       const auto [a, b] = mesh.edge(start.edge).vertices;
       if (!mesh.vertex(a).is_seam && !mesh.vertex(b).is_seam)
@@ -258,7 +259,7 @@ EditReport insert_ready(PolylineMesh& mesh, const Stroke& stroke, const std::vec
         concat("the closed stroke meets the network in one place only, on ", name_of(mesh, contacts[0])),
         "draw it across curves in two places or more");
   for (size_t k = 0; k + (stroke.closed ? 0 : 1) < contacts.size(); ++k) {
-    const Contact &a = contacts[k], &b = contacts[(k + 1) % contacts.size()];
+    const StrokeContact &a = contacts[k], &b = contacts[(k + 1) % contacts.size()];
     if (a.vertex >= 0 && a.vertex == b.vertex)
       throw RefusedEdit(concat("the stroke meets v", a.vertex, " twice, in places ",
                                text_of_length(std::abs(b.arc - a.arc)), " apart along it"),

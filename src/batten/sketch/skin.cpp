@@ -8,13 +8,13 @@ namespace batten {
 
 namespace {
 
-using detail::Contact;
+using detail::StrokeContact;
 
 /// The profile that each contact of a spine lies on, in the order of the spine.
-std::vector<int> profiles_met(const PolylineMesh& mesh, const std::vector<Contact>& contacts,
+std::vector<int> profiles_met(const PolylineMesh& mesh, const std::vector<StrokeContact>& contacts,
                               const std::vector<int>& curves, const char* which) {
   std::vector<int> met;
-  for (const Contact& contact : contacts) {
+  for (const StrokeContact& contact : contacts) {
     const int edge = contact.edge >= 0 ? contact.edge : mesh.vertex(contact.vertex).edges.front();
     const auto found = std::find(curves.begin(), curves.end(), mesh.edge(edge).curve);
     if (found == curves.end())
@@ -61,7 +61,7 @@ EditReport skin_profiles(PolylineMesh& mesh, const std::vector<DrawnStroke>& pro
   }
 
   std::array<Stroke, 2> strokes;
-  std::array<std::vector<Contact>, 2> contacts;
+  std::array<std::vector<StrokeContact>, 2> contacts;
   std::array<std::vector<int>, 2> met;
   const auto n = profiles.size();
   for (size_t s = 0; s < 2; ++s) {
@@ -95,22 +95,22 @@ EditReport skin_profiles(PolylineMesh& mesh, const std::vector<DrawnStroke>& pro
                         "draw both along the same sequence of profiles");
     strokes[1] = detail::reversed_stroke(strokes[1]);
     std::reverse(contacts[1].begin(), contacts[1].end());
-    for (Contact& contact : contacts[1]) contact.arc = strokes[1].length - contact.arc;
+    for (StrokeContact& contact : contacts[1]) contact.arc = strokes[1].length - contact.arc;
   }
   // What a spine overshoots is cut off.
   for (size_t s = 0; s < 2; ++s) {
     const double from = contacts[s].front().arc;
     strokes[s] = detail::part_of(strokes[s], from, contacts[s].back().arc);
-    for (Contact& contact : contacts[s]) contact.arc -= from;
+    for (StrokeContact& contact : contacts[s]) contact.arc -= from;
     contacts[s].back().arc = strokes[s].length;
   }
-  std::vector<Contact> both = contacts[0];
+  std::vector<StrokeContact> both = contacts[0];
   both.insert(both.end(), contacts[1].begin(), contacts[1].end());
   const std::vector<int> vertices = detail::contact_vertices(mesh, both);
   std::array<detail::DrawnCurve, 2> drawn;
   for (size_t s = 0; s < 2; ++s) {
     std::vector<HeldPoint> held;
-    for (const Contact& contact : contacts[s]) held.push_back({contact.arc, contact.position});
+    for (const StrokeContact& contact : contacts[s]) held.push_back({contact.arc, contact.position});
     const auto begin = vertices.begin() + static_cast<std::ptrdiff_t>(s * n);
     drawn[s] = detail::place_stroke(mesh, strokes[s], held, {begin, begin + static_cast<std::ptrdiff_t>(n)});
     report.curves.push_back(drawn[s].curve);

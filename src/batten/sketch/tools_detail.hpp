@@ -28,13 +28,13 @@ struct DrawnCurve {
 DrawnCurve place_stroke(PolylineMesh& mesh, const Stroke& stroke, const std::vector<HeldPoint>& held,
                         std::vector<int> vertices);
 /// Fits a stroke to its contacts and makes these vertices; adds no edges yet.
-DrawnCurve place_stroke(PolylineMesh& mesh, const Stroke& stroke, const std::vector<Contact>& contacts);
+DrawnCurve place_stroke(PolylineMesh& mesh, const Stroke& stroke, const std::vector<StrokeContact>& contacts);
 /// The edges of one piece. @return the sides from its first vertex to its last.
 std::vector<int> add_piece(PolylineMesh& mesh, const DrawnCurve& curve, size_t piece, double sharpness,
                            bool drawn = true);
 
 /// insert_curve() of a stroke made ready, with its contacts known.
-EditReport insert_ready(PolylineMesh& mesh, const Stroke& stroke, const std::vector<Contact>& contacts,
+EditReport insert_ready(PolylineMesh& mesh, const Stroke& stroke, const std::vector<StrokeContact>& contacts,
                         double snap, const InsertOptions& options, int* curve = nullptr);
 
 /// Walked the other way.
