@@ -6,40 +6,22 @@
 #include <sstream>
 
 #include <sys/wait.h>
-#include <unistd.h>
 
 namespace batten::test {
 
-namespace {
-
-struct ScratchFolder {
-  std::string path = std::filesystem::temp_directory_path() / ("batten_test_" + std::to_string(getpid()));
-  ScratchFolder() { std::filesystem::create_directories(path); }
-  ~ScratchFolder() { std::filesystem::remove_all(path); }
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-};
-
-}  // namespace
-
-const std::string& scratch() {
-  static const ScratchFolder folder;
-  return folder.path;
-}
-
 std::string read_file(const std::string& name) {
-  std::ifstream in(scratch() + "/" + name, std::ios::binary);
+  std::ifstream in(scratch_file(name), std::ios::binary);
   std::ostringstream content;
   content << in.rdbuf();
   return content.str();
 }
 
 bool file_exists(const std::string& name) {
-  return std::filesystem::exists(scratch() + "/" + name);
+  return std::filesystem::exists(scratch_file(name));
 }
 
 std::string write_file(const std::string& name, const std::string& content) {
-  const std::string path = scratch() + "/" + name;
+  const std::string path = scratch_file(name);
   std::ofstream(path, std::ios::binary) << content;
   return path;
 }

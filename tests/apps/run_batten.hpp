@@ -1,4 +1,6 @@
 #pragma once
+#include "scratch.hpp"
+
 #include <string>
 
 namespace batten::test {
@@ -12,8 +14,6 @@ struct Run {
 /// Runs the program under test with a line of arguments, as a shell would split them, in the folder
 /// `scratch()`.
 Run run_batten(const std::string& arguments);
-/// A folder of this test program alone, empty at its start.
-const std::string& scratch();
 /// Writes a file into scratch() and returns its path.
 std::string write_file(const std::string& name, const std::string& content);
 bool file_exists(const std::string& name);

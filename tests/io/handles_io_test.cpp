@@ -1,5 +1,7 @@
 #include "batten/io/handles_io.hpp"
 
+#include "scratch.hpp"
+
 #include <fstream>
 #include <string>
 
@@ -19,7 +21,7 @@ Points four() {
 }
 
 Handles read(const std::string& text) {
-  const std::string path = testing::TempDir() + "batten_handles_io.json";
+  const std::string path = test::scratch_file("handles.json");
   std::ofstream(path) << text;
   return read_handles(path, four());
 }
@@ -77,7 +79,7 @@ TEST(ReadHandles, RefusesWithThePlace) {
       "give one of them");
   expect_refused(R"({"handles": [{"select": {"vertices": [1]}, "translate": [0, 0, "up"]}]})",
                  "finite numbers");
-  EXPECT_THROW(read_handles(testing::TempDir() + "batten_no_such_handles.json", four()), FileError);
+  EXPECT_THROW(read_handles(test::scratch_file("no_such_handles.json"), four()), FileError);
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "batten/io/scan_io.hpp"
 
+#include "scratch.hpp"
+
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -13,10 +15,6 @@
 
 namespace batten {
 namespace {
-
-std::string temporary(const std::string& name) {
-  return testing::TempDir() + "batten_scan_io_" + name;
-}
 
 void expect_equal(const Scan& a, const Scan& b) {
   EXPECT_EQ(a.unit, b.unit);
@@ -115,7 +113,7 @@ TEST(Rawnet, WritingAndReadingLosesNothing) {
   Scan scan = simulate_scan(trace_shape(Shape::Dish), options).scan;
   scan.unit = "mm";
   scan.curves[1].name = "a name, with #signs";
-  const std::string path = temporary("round.rawnet");
+  const std::string path = test::scratch_file("round.rawnet");
   write_rawnet(scan, path);
   expect_equal(read_rawnet(path), scan);
   expect_equal(read_scan(path).scan, scan);
@@ -123,19 +121,19 @@ TEST(Rawnet, WritingAndReadingLosesNothing) {
 
 TEST(Rawnet, ReadsOneFilePerCurve) {
   const std::string block(std::string(kLine).substr(2));
-  std::ofstream(temporary("one.txt")) << block;
-  std::ofstream(temporary("two.txt")) << replaced(block, "0 1\n2", "1 2\n2");
-  const std::string path = temporary("list.rawnet");
-  std::ofstream(path) << "0 # a list\n2\nbatten_scan_io_one.txt\nbatten_scan_io_two.txt\n";
+  std::ofstream(test::scratch_file("one.txt")) << block;
+  std::ofstream(test::scratch_file("two.txt")) << replaced(block, "0 1\n2", "1 2\n2");
+  const std::string path = test::scratch_file("list.rawnet");
+  std::ofstream(path) << "0 # a list\n2\none.txt\ntwo.txt\n";
   const Scan scan = read_rawnet(path);
   ASSERT_EQ(scan.curves.size(), 2U);
   EXPECT_EQ(scan.curves[1].node_ids, (std::vector<int>{1, 2}));
-  std::ofstream(temporary("two.txt")) << "0\n0\n0\n2\n0 1 0 0 0 0 1\n";
+  std::ofstream(test::scratch_file("two.txt")) << "0\n0\n0\n2\n0 1 0 0 0 0 1\n";
   try {
     read_rawnet(path);
     ADD_FAILURE();
   } catch (const FileError& error) {  // the error names the file of the curve
-    EXPECT_EQ(error.path(), temporary("two.txt"));
+    EXPECT_EQ(error.path(), test::scratch_file("two.txt"));
     EXPECT_EQ(error.line(), 6);
   }
 }
@@ -203,8 +201,8 @@ TEST(Rawnet, RefusesEmptyBinaryAndMissingFiles) {
                                         7),
                             "a"),
                FileError);
-  EXPECT_THROW(read_rawnet(temporary("missing.rawnet")), FileError);
-  EXPECT_THROW(read_rawnet(testing::TempDir()), FileError);
+  EXPECT_THROW(read_rawnet(test::scratch_file("missing.rawnet")), FileError);
+  EXPECT_THROW(read_rawnet(test::scratch()), FileError);
   EXPECT_THROW(parse_rawnet("0\n1\nother.rawnet\n", "a"), FileError);
 }
 
@@ -229,9 +227,9 @@ TEST(Rawnet, ReadsLongCurves) {
 
 TEST(Rawnet, WritesNothingWhereItCannotAndRefusesBrokenScans) {
   const Scan scan = parse_rawnet(kLine, "a");
-  EXPECT_THROW(write_rawnet(scan, temporary("no/such/folder.rawnet")), FileError);
-  EXPECT_THROW(write_rawnet(Scan(), temporary("empty.rawnet")), InvalidInput);
-  EXPECT_FALSE(std::filesystem::exists(temporary("empty.rawnet")));
+  EXPECT_THROW(write_rawnet(scan, test::scratch_file("no/such/folder.rawnet")), FileError);
+  EXPECT_THROW(write_rawnet(Scan(), test::scratch_file("empty.rawnet")), InvalidInput);
+  EXPECT_FALSE(std::filesystem::exists(test::scratch_file("empty.rawnet")));
 }
 
 // The public scan of the thesis's author, and simulated ones with 1-based and 0-based comments.

@@ -1,5 +1,7 @@
 #include "batten/io/sensor_log_io.hpp"
 
+#include "scratch.hpp"
+
 #include <cmath>
 #include <fstream>
 
@@ -10,10 +12,6 @@
 
 namespace batten {
 namespace {
-
-std::string temporary(const std::string& name) {
-  return testing::TempDir() + "batten_sensor_log_" + name;
-}
 
 const char* const kLog =
     "# anything\n"
@@ -58,10 +56,10 @@ TEST(SensorLogFile, TakesColumnsInAnyOrderAndIgnoresOthers) {
 
 TEST(SensorLogFile, WritingAndReadingLosesNothing) {
   const SensorLog log = parse_sensor_log(kLog, "log.csv");
-  const std::string path = temporary("round.csv");
+  const std::string path = test::scratch_file("round.csv");
   write_sensor_log(log, path);
   const SensorLog back = read_sensor_log(path);
-  const std::string again = temporary("again.csv");
+  const std::string again = test::scratch_file("again.csv");
   write_sensor_log(back, again);
   EXPECT_EQ(read_file(path), read_file(again));
   EXPECT_EQ(back.time, log.time);
@@ -117,11 +115,11 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(SensorLogFile, RefusesFilesWithoutReadings) {
   EXPECT_THROW(parse_sensor_log("", "a"), FileError);
   EXPECT_THROW(parse_sensor_log("time_s,curve\n", "a"), FileError);
-  EXPECT_THROW(read_sensor_log(temporary("missing.csv")), FileError);
+  EXPECT_THROW(read_sensor_log(test::scratch_file("missing.csv")), FileError);
 }
 
 TEST(SensorLogFile, IsReadAsAScanWhateverItsName) {
-  const std::string path = temporary("log.rawnet");
+  const std::string path = test::scratch_file("log.rawnet");
   std::ofstream(path) << replaced(kLog, " closed", "");
   const LogScan result = read_scan(path);
   EXPECT_EQ(result.scan.curves[0].n_readings(), 3);
@@ -133,7 +131,7 @@ TEST(CalibrationFile, WritingAndReadingLosesNothing) {
   device.calibration.accelerometer.offset = {0.1, -1.0 / 3, 2e-7};
   device.calibration.magnetometer.matrix << 1.1, 0.01, 0, 0.02, 0.9, 0, 0, 0.03, 1.0 / 7;
   device.calibration.gyroscope_bias = {0.01, 0.02, -0.03};
-  const std::string path = temporary("calibration.json");
+  const std::string path = test::scratch_file("calibration.json");
   write_calibration(device, path);
   const Calibration back = read_calibration(path);
   EXPECT_EQ(back.accelerometer.offset, device.calibration.accelerometer.offset);
@@ -144,7 +142,7 @@ TEST(CalibrationFile, WritingAndReadingLosesNothing) {
 
 TEST(CalibrationFile, NamesTheEntryThatIsWrong) {
   DeviceCalibration device;
-  const std::string path = temporary("bad.json");
+  const std::string path = test::scratch_file("bad.json");
   write_calibration(device, path);
   const std::string good = read_file(path);
   const auto complaint = [](const std::string& text) {

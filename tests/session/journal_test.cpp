@@ -1,8 +1,8 @@
 #include "batten/session/journal.hpp"
 
 #include "../sketch/strokes.hpp"
+#include "scratch.hpp"
 
-#include <filesystem>
 #include <fstream>
 
 #include <gtest/gtest.h>
@@ -16,10 +16,6 @@ namespace batten {
 namespace {
 
 using namespace strokes;
-
-std::string path_of(const std::string& name) {
-  return (std::filesystem::path(testing::TempDir()) / (std::to_string(getpid()) + name)).string();
-}
 
 std::vector<Edit> one_of_each() {
   const Points square = polygon({kO, kX, kX + kY, kY, kO}, 1);
@@ -116,7 +112,7 @@ TEST(Session, UnfinishedLastLineIsToldAndPassedOver) {
 }
 
 TEST(Journal, ContinuesAfterATornLine) {
-  const std::string path = path_of("torn.jsonl");
+  const std::string path = test::scratch_file("torn.jsonl");
   {
     Journal journal(path, "mm");
     journal.write(InsertEdit{circle(kO, kX, kY), {}});
@@ -131,13 +127,12 @@ TEST(Journal, ContinuesAfterATornLine) {
   EXPECT_FALSE(session.torn);
   ASSERT_EQ(session.edits.size(), 2u);
   EXPECT_EQ(name_of_op(session.edits[1].edit), "undo");
-  std::filesystem::remove(path);
 }
 
 TEST(Journal, KilledProcessLosesAtMostTheEditInFlight) {
   // A child confirms edits through a pipe and is killed without warning; whatever it confirmed is on the
   // disk.
-  const std::string path = path_of("killed.jsonl");
+  const std::string path = test::scratch_file("killed.jsonl");
   int pipe_ends[2];
   ASSERT_EQ(pipe(pipe_ends), 0);
   const pid_t child = fork();
@@ -165,7 +160,6 @@ TEST(Journal, KilledProcessLosesAtMostTheEditInFlight) {
   Document document;
   for (const SessionEdit& edit : session.edits) document.apply(edit.edit);
   EXPECT_EQ(document.mesh().broken_invariant(), "");
-  std::filesystem::remove(path);
 }
 
 TEST(Journal, UnwritableFolderIsTold) {
