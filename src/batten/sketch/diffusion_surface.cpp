@@ -1,28 +1,24 @@
-// Based on H 6.4: refinement as Catmull–Clark splits, STEP 1 and STEP 2 of 6.4.1, with the scalar form of
-// (6.3) and the signs of docs/departures.md.
+// Based on H 6.4; the split is in face_split.cpp, the flow in curvature_flow.cpp.
 #include "batten/sketch/diffusion_surface.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
+#include <limits>
 
 #include <Eigen/Geometry>
 
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
-#include "batten/linalg/sparse_cholesky.hpp"
-#include "batten/mesh/normals.hpp"
-#include "batten/mesh/self_intersections.hpp"
-#include "batten/operators/laplacian.hpp"
-#include "batten/subdivision/subdivide.hpp"
+#include "batten/mesh/box_tree.hpp"
+#include "batten/sketch/cage_fit_detail.hpp"
+#include "batten/sketch/curvature_flow_detail.hpp"
+#include "batten/sketch/face_split_detail.hpp"
+#include "batten/sketch/refined_mesh_detail.hpp"
 
 namespace batten {
 
 namespace {
-
-/// Share of the size by which drawn curves may move; they are held softly (λ = 1) and move by per mille.
-constexpr double kFarthestFromCurves = 0.05;
 
 using Eigen::Index;
 using Eigen::Vector3d;
@@ -31,424 +27,577 @@ size_t at(int i) {
   return static_cast<size_t>(i);
 }
 
-/// A grid of vertices over one quad of the first split; entry (i, j) of (m + 1)².
-using Grid = Eigen::MatrixXi;
+/// Rings of faces around the touched ones that the flow moves at once; more follow where the change goes on.
+constexpr int kFirstRings = 1;
+/// The weights by which a cage follows its limit points fall to 1e-5 over so many quads.
+constexpr int kReachOfCage = 8;
 
-/// Builds the refined mesh, piece by piece.
-class Refiner {
- public:
-  Refiner(const PolylineMesh& mesh, int splits) : mesh_(mesh), half_(1 << (splits - 1)) {}
+/// What the surface knows of an edge of the model, to see whether it has changed, and its vertices.
+struct EdgeRecord {
+  bool alive = false, drawn = true;
+  SharedPolyline polyline;
+  std::array<int, 2> vertices{-1, -1};
+  std::array<bool, 2> has_face{false, false};
+  double sharpness = 0;
+  std::vector<int> chain;
 
-  void run(DiffusionSurface& surface) {
-    vertex_of_.assign(mesh_.vertices().size(), -1);
-    for (size_t v = 0; v < mesh_.vertices().size(); ++v)
-      if (mesh_.vertices()[v].alive) vertex_of_[v] = add(mesh_.vertices()[v].position, true);
-    surface.vertices_of_edge.resize(mesh_.edges().size());
-    const int n = 2 * half_;
-    for (size_t e = 0; e < mesh_.edges().size(); ++e) {
-      const SketchEdge& edge = mesh_.edges()[e];
-      if (!edge.alive) continue;
-      std::vector<int>& chain = surface.vertices_of_edge[e];
-      const Points samples = edge.polyline->sampled(n);
-      chain.push_back(vertex_of_[at(edge.vertices[0])]);
-      for (int k = 1; k < n; ++k) chain.push_back(add(samples.row(k), edge.drawn));
-      chain.push_back(vertex_of_[at(edge.vertices[1])]);
-      if (edge.sharpness > 0)
-        for (int k = 0; k < n; ++k)
-          surface.refined.sharp_edges.push_back(
-              {chain[at(k)], chain[at(k + 1)], edge.sharpness >= 1 ? kInfinitelySharp : 4 * edge.sharpness});
+  bool same_place(const SketchEdge& edge) const {
+    return alive && edge.alive && polyline == edge.polyline && vertices == edge.vertices;
+  }
+  bool same(const SketchEdge& edge) const {
+    return same_place(edge) && drawn == edge.drawn && sharpness == edge.sharpness &&
+           has_face[0] == (edge.faces[0] >= 0) && has_face[1] == (edge.faces[1] >= 0);
+  }
+  bool is_border() const { return !has_face[0] || !has_face[1]; }
+};
+
+struct FaceRecord {
+  bool alive = false;
+  /// Its part of the surface is not (yet) what the model asks for.
+  bool stale = false;
+  std::vector<int> sides, inner;
+  std::vector<std::array<int, 4>> quads;
+  detail::PlanePoints domain;
+  std::vector<std::array<int, 4>> domain_quads;  // the same quads in rows of `domain`
+  Box box;
+};
+
+}  // namespace
+
+struct EditedSurface::Implementation {
+  DiffusionOptions options;
+  // Vertices keep their places while faces come and go around them.
+  std::vector<Vector3d> positions, targets, cage;
+  std::vector<int> unused;
+  std::vector<int> of_vertex;  // per vertex of the model its place, or −1
+  std::vector<EdgeRecord> edges;
+  std::vector<FaceRecord> faces;
+  std::vector<int> local;  // scratch: per vertex its number in a part, −1 outside of part()
+  double diameter = 0;
+  SurfaceUpdate last;
+
+  int add(const Vector3d& position) {
+    int v = static_cast<int>(positions.size());
+    if (unused.empty()) {
+      positions.push_back(position), targets.push_back(position), cage.push_back(position);
+      local.push_back(-1);
+    } else {
+      v = unused.back();
+      unused.pop_back();
+      positions[at(v)] = targets[at(v)] = cage[at(v)] = position;
     }
-    for (size_t f = 0; f < mesh_.faces().size(); ++f)
-      if (mesh_.faces()[f].alive) refine_face(static_cast<int>(f), surface);
-    Points positions(static_cast<Index>(positions_.size()), 3);
-    for (size_t v = 0; v < positions_.size(); ++v)
-      positions.row(static_cast<Index>(v)) = positions_[v].transpose();
-    surface.refined.mesh.positions = std::move(positions);
-    surface.on_curve = std::move(held_);
+    return v;
   }
 
- private:
-  int add(const Vector3d& position, bool held) {
-    positions_.push_back(position);
-    held_.push_back(held ? 1 : 0);
-    return static_cast<int>(positions_.size()) - 1;
+  bool holds(const EdgeRecord& edge) const {
+    return edge.is_border() || (edge.drawn && options.fidelity == 0);
   }
 
   /// The vertices along a side, in its sense.
-  std::vector<int> along(int side, const DiffusionSurface& surface) const {
-    std::vector<int> chain = surface.vertices_of_edge[at(edge_of(side))];
+  std::vector<int> along(int side) const {
+    std::vector<int> chain = edges[at(edge_of(side))].chain;
     if (side & 1) std::reverse(chain.begin(), chain.end());
     return chain;
   }
 
-  void refine_face(int face, DiffusionSurface& surface) {
-    const std::vector<int>& sides = mesh_.face(face).sides;
-    const auto n = sides.size();
-    std::vector<std::vector<int>> chains;
-    Vector3d sum = Vector3d::Zero();
-    int count = 0;
-    for (const int side : sides) {
-      chains.push_back(along(side, surface));
-      for (size_t k = 0; k + 1 < chains.back().size(); ++k, ++count) sum += positions_[at(chains.back()[k])];
+  void release(std::vector<int>& vertices) {
+    unused.insert(unused.end(), vertices.rbegin(), vertices.rend());
+    vertices.clear();
+  }
+
+  /// Takes over what is new in the model; faces that it touches become stale.
+  void adopt(const PolylineMesh& mesh) {
+    edges.resize(std::max(edges.size(), mesh.edges().size()));
+    faces.resize(std::max(faces.size(), mesh.faces().size()));
+    of_vertex.resize(std::max(of_vertex.size(), mesh.vertices().size()), -1);
+    const SketchEdge no_edge;
+    const SketchFace no_face;
+    const SketchVertex no_vertex;
+    const auto edge_now = [&](size_t e) -> const SketchEdge& {
+      return e < mesh.edges().size() ? mesh.edges()[e] : no_edge;
+    };
+    const auto face_now = [&](size_t f) -> const SketchFace& {
+      return f < mesh.faces().size() ? mesh.faces()[f] : no_face;
+    };
+    const auto vertex_now = [&](size_t v) -> const SketchVertex& {
+      return v < mesh.vertices().size() ? mesh.vertices()[v] : no_vertex;
+    };
+    const auto is_new = [&](size_t f) {
+      const FaceRecord& face = faces[f];
+      const SketchFace& now = face_now(f);
+      if (face.alive != now.alive) return true;
+      if (!now.alive) return false;
+      return face.sides != now.sides || std::any_of(now.sides.begin(), now.sides.end(), [&](int side) {
+               return !edges[at(edge_of(side))].same(edge_now(at(edge_of(side))));
+             });
+    };
+    std::vector<size_t> new_faces;
+    for (size_t f = 0; f < faces.size(); ++f)
+      if (is_new(f)) new_faces.push_back(f);
+    for (const size_t f : new_faces) {
+      release(faces[f].inner);
+      faces[f] = FaceRecord();
     }
-    const int centre = add(sum / count, false);
-    // Spokes from the middle of each side to the centroid.
-    std::vector<std::vector<int>> spokes(n);
-    for (size_t k = 0; k < n; ++k) {
-      const int middle = chains[k][at(half_)];
-      spokes[k].push_back(middle);
-      for (int i = 1; i < half_; ++i) {
-        const double t = static_cast<double>(i) / half_;
-        spokes[k].push_back(add((1 - t) * positions_[at(middle)] + t * positions_[at(centre)], false));
+    const int n = 1 << options.splits;
+    for (size_t e = 0; e < edges.size(); ++e)
+      if (edges[e].alive && !edges[e].same_place(edge_now(e))) {
+        std::vector<int> inner(edges[e].chain.begin() + 1, edges[e].chain.end() - 1);
+        release(inner);
+        edges[e] = EdgeRecord();
       }
-      spokes[k].push_back(centre);
-    }
-    for (size_t k = 0; k < n; ++k) {  // the quad at the start of side k
-      const size_t before = (k + n - 1) % n;
-      Grid grid(half_ + 1, half_ + 1);  // i along side k, j along the side before, backwards
-      for (int i = 0; i <= half_; ++i) {
-        grid(i, 0) = chains[k][at(i)];
-        grid(0, i) = chains[before][chains[before].size() - 1 - at(i)];
-        grid(half_, i) = spokes[k][at(i)];
-        grid(i, half_) = spokes[before][at(i)];
+    for (size_t v = 0; v < of_vertex.size(); ++v) {
+      const SketchVertex& now = vertex_now(v);
+      int& place = of_vertex[v];
+      if (place >= 0 && !now.alive) {
+        unused.push_back(place);
+        place = -1;
+      } else if (now.alive && place < 0) {
+        place = add(now.position);
+      } else if (now.alive && targets[at(place)] != now.position) {
+        positions[at(place)] = targets[at(place)] = cage[at(place)] = now.position;
       }
-      fill(grid);
-      PolygonMesh& mesh = surface.refined.mesh;
-      for (int j = 0; j < half_; ++j)
-        for (int i = 0; i < half_; ++i) {
-          for (const int v : {grid(i, j), grid(i + 1, j), grid(i + 1, j + 1), grid(i, j + 1)})
-            mesh.corners.push_back(v);
-          mesh.offsets.push_back(static_cast<int>(mesh.corners.size()));
-          surface.face_of_quad.push_back(face);
-        }
     }
-  }
-
-  /// Inner vertices of a grid from its four sides (bilinearly blended, H 6.1.2): a start for the flow.
-  void fill(Grid& grid) {
-    const auto m = static_cast<int>(grid.rows()) - 1;
-    const auto p = [&](int i, int j) { return positions_[at(grid(i, j))]; };
-    for (int j = 1; j < m; ++j)
-      for (int i = 1; i < m; ++i) {
-        const double u = static_cast<double>(i) / m, v = static_cast<double>(j) / m;
-        const Vector3d position = (1 - v) * p(i, 0) + v * p(i, m) + (1 - u) * p(0, j) + u * p(m, j) -
-                                  (1 - u) * (1 - v) * p(0, 0) - u * (1 - v) * p(m, 0) -
-                                  (1 - u) * v * p(0, m) - u * v * p(m, m);
-        grid(i, j) = add(position, false);
+    for (size_t e = 0; e < edges.size(); ++e) {
+      const SketchEdge& now = edge_now(e);
+      EdgeRecord& edge = edges[e];
+      if (!now.alive || edge.same(now)) continue;
+      if (!edge.alive) {
+        const Points samples = now.polyline->sampled(n);
+        edge.chain.push_back(of_vertex[at(now.vertices[0])]);
+        for (int k = 1; k < n; ++k) edge.chain.push_back(add(samples.row(k)));
+        edge.chain.push_back(of_vertex[at(now.vertices[1])]);
       }
-  }
-
-  const PolylineMesh& mesh_;
-  int half_;
-  std::vector<int> vertex_of_;
-  std::vector<Vector3d> positions_;
-  std::vector<char> held_;
-};
-
-/// Every quad cut along the diagonal that leads from the corner of its face towards the centroid: of the ways
-/// to cut, the one that brings great circles nearest to a sphere (largest error of the radius at 16 n quads
-/// below 0.5 %; 1.1 % with the other diagonal, 0.6 % with the mean of both).
-Triangles cut_quads(const PolygonMesh& mesh) {
-  Triangles triangles(2 * mesh.n_faces(), 3);
-  for (Index f = 0; f < mesh.n_faces(); ++f) {
-    const int* c = &mesh.corners[at(mesh.offsets[static_cast<size_t>(f)])];
-    triangles.row(2 * f) << c[0], c[1], c[2];
-    triangles.row(2 * f + 1) << c[0], c[2], c[3];
-  }
-  return triangles;
-}
-
-std::vector<char> border_vertices(const PolygonMesh& mesh) {
-  std::map<std::pair<int, int>, int> sides;
-  for (Index f = 0; f < mesh.n_faces(); ++f)
-    for (int k = 0; k < 4; ++k) {
-      const int a = mesh.corners[at(mesh.offsets[static_cast<size_t>(f)] + k)];
-      const int b = mesh.corners[at(mesh.offsets[static_cast<size_t>(f)] + (k + 1) % 4)];
-      ++sides[{std::min(a, b), std::max(a, b)}];
+      edge.alive = true;
+      edge.drawn = now.drawn;
+      edge.polyline = now.polyline;
+      edge.vertices = now.vertices;
+      edge.has_face = {now.faces[0] >= 0, now.faces[1] >= 0};
+      edge.sharpness = now.sharpness;
     }
-  std::vector<char> border(static_cast<size_t>(mesh.positions.rows()), 0);
-  for (const auto& [edge, n] : sides)
-    if (n == 1) border[at(edge.first)] = border[at(edge.second)] = 1;
-  return border;
-}
-
-/// S(X) of H 6.4: the sum of the sharpness of the edges at each vertex. The tip of a dart (S ≤ 1) stays
-/// smooth.
-std::vector<double> vertex_sharpness(const PolylineMesh& mesh, const DiffusionSurface& surface) {
-  std::vector<double> sharpness(static_cast<size_t>(surface.refined.mesh.positions.rows()), 0);
-  for (size_t e = 0; e < mesh.edges().size(); ++e) {
-    const std::vector<int>& chain = surface.vertices_of_edge[e];
-    for (size_t k = 0; k < chain.size(); ++k)
-      sharpness[at(chain[k])] += (k == 0 || k + 1 == chain.size() ? 1 : 2) * mesh.edges()[e].sharpness;
-  }
-  for (double& s : sharpness)
-    if (s <= 1) s = 0;
-  return sharpness;
-}
-
-/// The flow of H 6.4.1.
-class Flow {
- public:
-  Flow(DiffusionSurface& surface, std::vector<double> sharpness, const DiffusionOptions& options)
-      : surface_(surface),
-        options_(options),
-        sharpness_(std::move(sharpness)),
-        triangles_(cut_quads(surface.refined.mesh)),
-        n_(surface.refined.mesh.positions.rows()),
-        border_(border_vertices(surface.refined.mesh)),
-        diffusion_("diffusion of mean curvature"),
-        refit_("refit to mean curvature") {
-    index_.assign(static_cast<size_t>(n_), -1);
-    for (Index v = 0; v < n_; ++v)
-      if (!held(v)) index_[static_cast<size_t>(v)] = n_unknown_++;
+    for (const size_t f : new_faces)
+      if (face_now(f).alive) split(faces[f], face_now(f));
   }
 
-  /// One round. @return the largest move of a vertex.
-  double step() {
-    Points& X = surface_.refined.mesh.positions;
-    const SparseMatrix K = cotangent_stiffness(X, triangles_);
-    const Eigen::VectorXd M = lumped_mass(X, triangles_);
-    const double mean_area = M.mean();
-    if (!(M.minCoeff() > 1e-14 * mean_area))
-      throw InvalidInput("the faces leave a quad without area; draw the curves apart, or use fewer splits");
-    const Points N = vertex_normals(X, triangles_);
-    const Points curvature = K * X;
-    Eigen::VectorXd H(n_);
-    for (Index v = 0; v < n_; ++v) H(v) = N.row(v).dot(curvature.row(v)) / (2 * M(v));
-
-    // STEP 1: (M/Ā + τ K_w) H⁺ = (M/Ā) H, with the weights (6.5) on the edges.
-    diffuse(K, M / mean_area, H);
-
-    // STEP 2: L X = 2 Ā H N in least squares, L = Ā M⁻¹ K, rows weighted by how smooth the vertex is.
-    Eigen::VectorXd row(n_);
-    for (Index v = 0; v < n_; ++v)
-      row(v) = border_[static_cast<size_t>(v)] ? 0 : similarity(sharpness_[static_cast<size_t>(v)], 0);
-    SparseMatrix L = (row.array() * mean_area / M.array()).matrix().asDiagonal() * K;
-    Points right = (row.array() * 2 * mean_area * H.array()).matrix().asDiagonal() * N;
-    std::vector<Eigen::Triplet<double>> selection;
-    for (Index v = 0; v < n_; ++v) {
-      const int u = index_[static_cast<size_t>(v)];
-      if (u >= 0) selection.emplace_back(v, u, 1.0);
+  void split(FaceRecord& face, const SketchFace& now) {
+    face.alive = face.stale = true;
+    face.sides = now.sides;
+    std::vector<Points> sides;
+    std::vector<int> vertices;
+    for (const int side : now.sides) {
+      const std::vector<int> chain = along(side);
+      Points points(static_cast<Index>(chain.size()), 3);
+      for (size_t k = 0; k < chain.size(); ++k)
+        points.row(static_cast<Index>(k)) = targets[at(chain[k])].transpose();
+      sides.push_back(std::move(points));
+      vertices.insert(vertices.end(), chain.begin(), chain.end() - 1);
     }
-    SparseMatrix free(n_, n_unknown_);
-    free.setFromTriplets(selection.begin(), selection.end());
-    Points known = X;
-    for (Index v = 0; v < n_; ++v)
-      if (index_[static_cast<size_t>(v)] >= 0) known.row(v).setZero();
-    right -= L * known;
-    const SparseMatrix A = L * free;
-    SparseMatrix normal = A.transpose() * A;
-    Eigen::MatrixXd b = A.transpose() * right;
-    // Where creases on all sides leave a vertex no row of its own, it stays where it is.
-    const double anchor = 1e-10;
-    for (Index v = 0; v < n_; ++v) {
-      const int u = index_[static_cast<size_t>(v)];
-      if (u < 0) continue;
-      double weight = anchor;
-      Vector3d target = X.row(v);
-      if (surface_.on_curve[static_cast<size_t>(v)]) {  // λ > 0: held softly
-        weight = options_.fidelity;
-        target = start_.row(v);
-      }
-      normal.coeffRef(u, u) += weight;
-      b.row(u) += weight * target.transpose();
+    detail::FaceSplit made = detail::split_face_into_quads(sides, options.splits);
+    for (Index v = made.n_boundary; v < made.domain.rows(); ++v) {
+      face.inner.push_back(add(Vector3d::Zero()));
+      vertices.push_back(face.inner.back());
     }
-    refit_.factorize(normal);
-    const Eigen::MatrixXd solved = refit_.solve(b);
-    double move = 0;
-    for (Index v = 0; v < n_; ++v) {
-      const int u = index_[static_cast<size_t>(v)];
-      if (u < 0) continue;
-      move = std::max(move, (solved.row(u) - X.row(v)).norm());
-      X.row(v) = solved.row(u);
-    }
-    return move;
+    face.quads.reserve(made.quads.size());
+    for (const std::array<int, 4>& quad : made.quads)
+      face.quads.push_back({vertices[at(quad[0])], vertices[at(quad[1])], vertices[at(quad[2])],
+                            vertices[at(quad[3])]});
+    face.domain = std::move(made.domain);
+    face.domain_quads = std::move(made.quads);
   }
 
-  void remember_start() { start_ = surface_.refined.mesh.positions; }
+  /// A set of faces, as marks and as an ascending list.
+  struct FaceSet {
+    std::vector<char> has;
+    std::vector<int> list;
+  };
 
- private:
-  /// Border vertices are held in any case: nothing else says where they belong.
-  bool held(Index v) const {
-    return border_[static_cast<size_t>(v)] ||
-           (surface_.on_curve[static_cast<size_t>(v)] && options_.fidelity == 0);
+  FaceSet set_of(const std::vector<int>& seeds, const PolylineMesh& mesh) const {
+    FaceSet set;
+    set.has.assign(faces.size(), 0);
+    for (const int f : seeds) include(set, f, mesh);
+    std::sort(set.list.begin(), set.list.end());
+    return set;
   }
 
-  double similarity(double s, double t) const {  // (6.5): D is not squared, σ is
-    return std::exp(-std::abs(s - t) / (options_.similarity * options_.similarity));
-  }
-
-  void diffuse(const SparseMatrix& K, const Eigen::VectorXd& mass, Eigen::VectorXd& H) {
-    std::vector<Eigen::Triplet<double>> entries;
-    for (Index j = 0; j < K.outerSize(); ++j)
-      for (SparseMatrix::InnerIterator entry(K, j); entry; ++entry) {
-        const Index i = entry.row();
-        if (i >= j) continue;
-        // Obtuse triangles have edges of the other sign: curvature would flow uphill there, and the matrix
-        // need not be positive.
-        double weight = options_.time_step * std::min(0.0, entry.value()) *
-                        similarity(sharpness_[static_cast<size_t>(i)], sharpness_[static_cast<size_t>(j)]);
-        // The curvature of border vertices is not known; none flows there.
-        if (border_[static_cast<size_t>(i)] || border_[static_cast<size_t>(j)]) weight = 0;
-        entries.emplace_back(j, i, weight);
-        entries.emplace_back(i, i, -weight);
-        entries.emplace_back(j, j, -weight);
-      }
-    for (Index v = 0; v < n_; ++v) entries.emplace_back(v, v, mass(v));
-    SparseMatrix A(n_, n_);
-    A.setFromTriplets(entries.begin(), entries.end());
-    diffusion_.factorize(A);
-    for (int k = 0; k < options_.diffusion_steps; ++k) H = diffusion_.solve(mass.cwiseProduct(H));
-  }
-
-  DiffusionSurface& surface_;
-  const DiffusionOptions& options_;
-  std::vector<double> sharpness_;
-  Triangles triangles_;
-  Index n_;
-  std::vector<char> border_;
-  std::vector<int> index_;  ///< per vertex its unknown, or −1
-  int n_unknown_ = 0;
-  Points start_;
-  SparseCholesky diffusion_, refit_;
-};
-
-/// Limit points of Catmull–Clark at the vertices of a quad mesh, with creases and borders (Halstead, Kass and
-/// DeRose 1993; Biermann, Levin and Zorin 2000): weights as one sparse matrix.
-SparseMatrix limit_stencils(const ControlCage& cage) {
-  const PolygonMesh& mesh = cage.mesh;
-  const Index n = mesh.positions.rows();
-  std::map<std::pair<int, int>, double> sharp;
-  for (const SharpEdge& edge : cage.sharp_edges)
-    sharp[{std::min(edge.from, edge.to), std::max(edge.from, edge.to)}] = edge.sharpness;
-  std::map<std::pair<int, int>, int> faces_at;
-  std::vector<std::vector<int>> opposite(static_cast<size_t>(n));
-  std::vector<int> n_faces(static_cast<size_t>(n), 0);
-  for (Index f = 0; f < mesh.n_faces(); ++f) {
-    const int* c = &mesh.corners[at(mesh.offsets[static_cast<size_t>(f)])];
-    for (int k = 0; k < 4; ++k) {
-      ++faces_at[{std::min(c[k], c[(k + 1) % 4]), std::max(c[k], c[(k + 1) % 4])}];
-      opposite[at(c[k])].push_back(c[(k + 2) % 4]);
-      ++n_faces[at(c[k])];
-    }
-  }
-  std::vector<std::vector<int>> neighbours(static_cast<size_t>(n)), creases(static_cast<size_t>(n));
-  for (const auto& [edge, count] : faces_at) {
-    neighbours[at(edge.first)].push_back(edge.second);
-    neighbours[at(edge.second)].push_back(edge.first);
-    const auto found = sharp.find(edge);
-    if (count == 1 || (found != sharp.end() && found->second >= 2)) {
-      creases[at(edge.first)].push_back(edge.second);
-      creases[at(edge.second)].push_back(edge.first);
-    }
-  }
-  std::vector<Eigen::Triplet<double>> entries;
-  for (Index v = 0; v < n; ++v) {
-    const auto i = static_cast<size_t>(v);
-    if (creases[i].size() > 2 || (n_faces[i] == 1 && creases[i].size() == 2)) {
-      entries.emplace_back(v, v, 1);
-    } else if (creases[i].size() == 2) {
-      entries.emplace_back(v, v, 2.0 / 3);
-      for (const int w : creases[i]) entries.emplace_back(v, w, 1.0 / 6);
-    } else if (neighbours[i].size() == 2) {  // the general weights are not those of the rules for two edges
-      entries.emplace_back(v, v, 1.0 / 8);
-      for (const int w : neighbours[i]) entries.emplace_back(v, w, 3.0 / 8);
-      for (const int w : opposite[i]) entries.emplace_back(v, w, 1.0 / 16);
-    } else {
-      const double k = static_cast<double>(neighbours[i].size()), share = 1 / (k * (k + 5));
-      entries.emplace_back(v, v, k * k * share);
-      for (const int w : neighbours[i]) entries.emplace_back(v, w, 4 * share);
-      for (const int w : opposite[i]) entries.emplace_back(v, w, share);
-    }
-  }
-  SparseMatrix stencils(n, n);
-  stencils.setFromTriplets(entries.begin(), entries.end());
-  return stencils;
-}
-
-/// Moves the vertices of the cage until the limit surface goes through `target`. The stencils above hold but
-/// for darts and semi-sharp creases: their inverse is applied to what the true limit points still lack.
-void fit_limit(ControlCage& cage, const Points& target, const Progress& progress) {
-  const SparseMatrix stencils = limit_stencils(cage);
-  SparseCholesky inverse("cage of the limit surface");
-  inverse.factorize(SparseMatrix(stencils.transpose() * stencils));
-  const Index n = target.rows();
-  const double size = bounding_box_diagonal(target);
-  Subdivision limit(cage, {.levels = 0, .limit = true}, progress);
-  for (int k = 0; k < 30; ++k) {
-    const Points lack = target - limit.surface().limit_positions.topRows(n);
-    if (lack.rowwise().norm().maxCoeff() < 1e-10 * size) break;
-    cage.mesh.positions += inverse.solve(Eigen::MatrixXd(stencils.transpose() * lack));
-    limit.move(cage.mesh.positions, progress);
-  }
-}
-
-/// The flow has no bound on faces that are far from convex or long and thin: what comes out folded is
-/// refused.
-void require_sound(const DiffusionSurface& surface, const Points& start) {
-  const Points& positions = surface.refined.mesh.positions;
-  const auto face_of = [&](int triangle) { return surface.face_of_quad[at(triangle) / 2]; };
-  if (positions.allFinite()) {
-    const auto crossing = self_intersections(positions, cut_quads(surface.refined.mesh), 1);
-    if (!crossing.empty())
-      throw InvalidInput(
-          concat("the surface folds or crosses itself in the faces f", face_of(crossing[0].first), " and f",
-                 face_of(crossing[0].second),
-                 "; divide them by another curve, best where they are not convex or are long and thin"));
-  }
-  const double size = bounding_box_diagonal(start);
-  for (Index v = 0; v < positions.rows(); ++v)
-    if (surface.on_curve[static_cast<size_t>(v)] &&
-        !((positions.row(v) - start.row(v)).norm() <= kFarthestFromCurves * size))
-      throw InvalidInput(
-          concat("the surface leaves its curves by more than ", 100 * kFarthestFromCurves,
-                 " % of the size; divide the faces by another curve, best where they are not convex"));
-}
-
-/// Turns closed components so that normals point outwards, by the sign of their volume.
-void turn_outwards(const PolylineMesh& model, DiffusionSurface& surface) {
-  std::vector<int> component(model.faces().size(), -1);
-  std::vector<char> is_open;
-  for (size_t f = 0; f < model.faces().size(); ++f) {
-    if (!model.faces()[f].alive || component[f] >= 0) continue;
-    const int own = static_cast<int>(is_open.size());
-    is_open.push_back(0);
-    std::vector<int> stack{static_cast<int>(f)};
-    component[f] = own;
+  /// A face, and with it those beyond edges that nothing holds.
+  void include(FaceSet& set, int face, const PolylineMesh& mesh) const {
+    if (set.has[at(face)]) return;
+    set.has[at(face)] = 1;
+    std::vector<int> stack{face};
     while (!stack.empty()) {
-      const int face = stack.back();
+      const int f = stack.back();
       stack.pop_back();
-      for (const int side : model.face(face).sides) {
-        const int next = model.face_of(opposite_side(side));
-        if (next < 0) is_open.back() = 1;
-        if (next < 0 || component[at(next)] >= 0) continue;
-        component[at(next)] = own;
+      set.list.push_back(f);
+      for (const int side : mesh.face(f).sides) {
+        if (holds(edges[at(edge_of(side))])) continue;
+        const int next = mesh.face_of(opposite_side(side));
+        if (next < 0 || set.has[at(next)]) continue;
+        set.has[at(next)] = 1;
         stack.push_back(next);
       }
     }
   }
-  PolygonMesh& mesh = surface.refined.mesh;
-  std::vector<double> volume(is_open.size(), 0);
-  const auto quad = [&](Index f) { return &mesh.corners[at(mesh.offsets[static_cast<size_t>(f)])]; };
-  for (Index f = 0; f < mesh.n_faces(); ++f) {
-    const int* c = quad(f);
-    const auto p = [&](int k) -> Vector3d { return mesh.positions.row(c[k]); };
-    const int own = component[at(surface.face_of_quad[static_cast<size_t>(f)])];
-    volume[at(own)] += p(0).cross(p(1)).dot(p(2)) + p(0).cross(p(2)).dot(p(3));
+
+  /// Adds all faces that share a vertex with the set. @return whether there were any.
+  bool grow(FaceSet& set, const PolylineMesh& mesh) const {
+    const std::vector<int> before = set.list;
+    for (const int f : before)
+      for (const int side : mesh.face(f).sides)
+        for (const int e : mesh.vertex(mesh.start_of(side)).edges)
+          for (const int next : mesh.edge(e).faces)
+            if (next >= 0) include(set, next, mesh);
+    std::sort(set.list.begin(), set.list.end());
+    return set.list.size() > before.size();
   }
-  for (Index f = 0; f < mesh.n_faces(); ++f) {
-    const int own = component[at(surface.face_of_quad[static_cast<size_t>(f)])];
-    if (is_open[at(own)] || volume[at(own)] >= 0) continue;
-    int* c = quad(f);
-    std::swap(c[1], c[3]);
+
+  /// Faces of the set around a vertex form one fan, or all its faces are in the set: adds what is missing, so
+  /// that the set is a surface.
+  void close_fans(FaceSet& set, const PolylineMesh& mesh) const {
+    for (bool added = true; added;) {
+      added = false;
+      const std::vector<int> before = set.list;
+      for (const int f : before)
+        for (const int side : mesh.face(f).sides) {
+          int sides_in = 0, inner = 0;
+          bool all = true;
+          const SketchVertex& vertex = mesh.vertex(mesh.start_of(side));
+          for (const int e : vertex.edges) {
+            int in = 0;
+            for (const int next : mesh.edge(e).faces) {
+              if (next < 0) continue;
+              if (set.has[at(next)])
+                ++in;
+              else
+                all = false;
+            }
+            sides_in += in;
+            inner += in == 2;
+          }
+          // Every face has two edges at the vertex, so there are sides_in / 2 faces, joined at `inner` edges.
+          if (all || sides_in / 2 - inner <= 1) continue;
+          for (const int e : vertex.edges)
+            for (const int next : mesh.edge(e).faces)
+              if (next >= 0 && !set.has[at(next)]) {
+                include(set, next, mesh);
+                added = true;
+              }
+        }
+    }
+    std::sort(set.list.begin(), set.list.end());
   }
+
+  /// The part of the surface over some faces, with vertices numbered from 0.
+  struct Part {
+    std::vector<int> vertices;       // their places
+    std::vector<char> complete;      // per vertex: all its faces are in the part
+    std::vector<double> sharpness;   // per vertex, S of (6.5)
+    std::vector<char> border, soft;  // per vertex
+    std::vector<char> held;          // per vertex: on an edge that holds
+    PolygonMesh mesh;
+    std::vector<int> face_of_quad;
+    std::vector<SharpEdge> sharp_edges;
+  };
+
+  Part part(const FaceSet& set, const PolylineMesh& mesh) {
+    Part part;
+    for (const int f : set.list)
+      for (const std::array<int, 4>& quad : faces[at(f)].quads) {
+        for (const int v : quad) {
+          if (local[at(v)] < 0) {
+            local[at(v)] = static_cast<int>(part.vertices.size());
+            part.vertices.push_back(v);
+          }
+          part.mesh.corners.push_back(local[at(v)]);
+        }
+        part.mesh.offsets.push_back(static_cast<int>(part.mesh.corners.size()));
+        part.face_of_quad.push_back(f);
+      }
+    const size_t n = part.vertices.size();
+    part.complete.assign(n, 1);
+    part.border.assign(n, 0);
+    part.soft.assign(n, 0);
+    part.held.assign(n, 0);
+    part.sharpness.assign(n, 0);
+    std::vector<char> met(n, 0);
+    for (const int f : set.list)
+      for (const int side : faces[at(f)].sides) {
+        const EdgeRecord& edge = edges[at(edge_of(side))];
+        const int beyond = mesh.face_of(opposite_side(side));
+        const bool complete = beyond < 0 || set.has[at(beyond)], own = !(side & 1) || !complete || beyond < 0;
+        for (size_t k = 0; k < edge.chain.size(); ++k) {
+          const int v = local[at(edge.chain[k])];
+          const auto i = at(v);
+          if (!complete) part.complete[i] = 0;
+          if (edge.is_border()) part.border[i] = 1;
+          if (holds(edge)) part.held[i] = 1;
+          if (edge.drawn && options.fidelity > 0) part.soft[i] = 1;
+          if (k > 0 && k + 1 < edge.chain.size()) part.sharpness[i] = 2 * edge.sharpness;
+          if (own && edge.sharpness > 0 && k + 1 < edge.chain.size())
+            part.sharp_edges.push_back({v, local[at(edge.chain[k + 1])],
+                                        edge.sharpness >= 1 ? kInfinitelySharp : 4 * edge.sharpness});
+        }
+        // S of the vertices of the model, from all of their edges.
+        const int vertex = mesh.start_of(side), v = local[at(of_vertex[at(vertex)])];
+        if (met[at(v)]) continue;
+        met[at(v)] = 1;
+        double sum = 0;
+        for (const int e : mesh.vertex(vertex).edges) {
+          sum += mesh.edge(e).sharpness;
+          for (const int face : mesh.edge(e).faces) {
+            if (face < 0) part.border[at(v)] = 1;
+            if (face >= 0 && !set.has[at(face)]) part.complete[at(v)] = 0;
+          }
+        }
+        part.sharpness[at(v)] = sum;
+        (options.fidelity > 0 ? part.soft : part.held)[at(v)] = 1;
+      }
+    // The tip of a dart (S ≤ 1) stays smooth.
+    for (double& s : part.sharpness)
+      if (s <= 1) s = 0;
+    part.mesh.positions.resize(static_cast<Index>(n), 3);
+    for (size_t v = 0; v < n; ++v) {
+      part.mesh.positions.row(static_cast<Index>(v)) = positions[at(part.vertices[v])].transpose();
+      local[at(part.vertices[v])] = -1;
+    }
+    return part;
+  }
+
+  /// Moves a region, the faces around it held. @return the largest move of a vertex in each face of the
+  /// surroundings' neighbours, i.e. of the outermost faces of the region; 0 where the region has no rim.
+  double flow(const FaceSet& region, const FaceSet& surroundings, bool start, const PolylineMesh& mesh,
+              const Progress& progress) {
+    const Part around = part(surroundings, mesh);
+    const auto n = around.vertices.size();
+    // The same vertices seen from the region alone: those that are complete there may move.
+    std::vector<char> movable(n, 0), fresh(n, 0), at_rim(n, 0);
+    for (size_t v = 0; v < n; ++v) local[at(around.vertices[v])] = static_cast<int>(v);
+    for (const int f : region.list) {
+      bool outermost = false;
+      for (const int side : mesh.face(f).sides)
+        for (const int e : mesh.vertex(mesh.start_of(side)).edges)
+          for (const int next : mesh.edge(e).faces)
+            outermost = outermost || (next >= 0 && !region.has[at(next)]);
+      for (const std::array<int, 4>& quad : faces[at(f)].quads)
+        for (const int v : quad) {
+          movable[at(local[at(v)])] = 1;
+          if (outermost) at_rim[at(local[at(v)])] = 1;
+          if (faces[at(f)].stale) fresh[at(local[at(v)])] = 1;
+        }
+    }
+    for (const int f : surroundings.list)
+      if (!region.has[at(f)])
+        for (const std::array<int, 4>& quad : faces[at(f)].quads)
+          for (const int v : quad) movable[at(local[at(v)])] = 0;
+    for (size_t v = 0; v < n; ++v) local[at(around.vertices[v])] = -1;
+
+    detail::FlowMesh flow;
+    flow.positions = around.mesh.positions;
+    flow.triangles.resize(2 * around.mesh.n_faces(), 3);
+    flow.domain.resize(2 * around.mesh.n_faces(), 3);
+    flow.patch.resize(static_cast<size_t>(2 * around.mesh.n_faces()));
+    flow.n_patches = static_cast<int>(surroundings.list.size());
+    Index t = 0, q = 0;
+    for (size_t patch = 0; patch < surroundings.list.size(); ++patch) {
+      const FaceRecord& face = faces[at(surroundings.list[patch])];
+      for (const std::array<int, 4>& in_domain : face.domain_quads) {
+        const int* c = &around.mesh.corners[static_cast<size_t>(4 * q++)];
+        const auto in_space = detail::cut_along_corners({c[0], c[1], c[2], c[3]});
+        const auto in_plane = detail::cut_along_corners(in_domain);
+        for (size_t k = 0; k < 2; ++k, ++t) {
+          flow.patch[static_cast<size_t>(t)] = static_cast<int>(patch);
+          for (size_t i = 0; i < 3; ++i) {
+            flow.triangles(t, static_cast<Index>(i)) = in_space[k][i];
+            flow.domain(t, static_cast<Index>(i)) =
+                (face.domain.row(in_plane[k][(i + 1) % 3]) - face.domain.row(in_plane[k][(i + 2) % 3])).norm();
+          }
+        }
+      }
+    }
+    flow.fixed.resize(n);
+    flow.without_row.resize(n);
+    flow.sharpness = around.sharpness;
+    flow.soft = around.soft;
+    flow.targets.resize(static_cast<Index>(n), 3);
+    for (size_t v = 0; v < n; ++v) {
+      flow.targets.row(static_cast<Index>(v)) = targets[at(around.vertices[v])].transpose();
+      flow.fixed[v] = around.held[v] || around.border[v] || !movable[v];
+      flow.without_row[v] = around.border[v] || !around.complete[v];
+      if (around.soft[v]) fresh[v] = 0;
+    }
+    if (start) detail::start_flow(flow, fresh);
+    const Points before = flow.positions;
+    detail::CurvatureFlow rounds(flow, options);
+    for (int round = 0; round < options.rounds; ++round) {
+      progress.report("flow", static_cast<double>(round) / options.rounds);
+      last.last_move = rounds.round().maxCoeff() / diameter;
+      ++last.rounds;
+      if (last.last_move < options.tolerance) break;
+    }
+    double moved_rim = 0;
+    for (size_t v = 0; v < n; ++v) {
+      const auto row = static_cast<Index>(v);
+      if (at_rim[v]) moved_rim = std::max(moved_rim, (flow.positions.row(row) - before.row(row)).norm());
+      if (!flow.fixed[v]) positions[at(around.vertices[v])] = flow.positions.row(row);
+    }
+    return moved_rim / diameter;
+  }
+
+  /// Refuses what has become unsound in the region: looks at it and at what its boxes meet.
+  void require_sound(const FaceSet& region, const PolylineMesh& mesh) {
+    Box all{Vector3d::Constant(std::numeric_limits<double>::infinity()),
+            Vector3d::Constant(-std::numeric_limits<double>::infinity())};
+    const Box nothing = all;
+    for (const int f : region.list) {
+      Box& box = faces[at(f)].box;
+      box = nothing;
+      for (const std::array<int, 4>& quad : faces[at(f)].quads)
+        for (const int v : quad) box.include({positions[at(v)], positions[at(v)]});
+      all.include(box);
+    }
+    FaceSet near;
+    near.has.assign(faces.size(), 0);
+    for (size_t f = 0; f < faces.size(); ++f) {
+      if (!faces[f].alive || (!region.has[f] && !all.meets(faces[f].box))) continue;
+      near.has[f] = region.has[f] || std::any_of(region.list.begin(), region.list.end(), [&](int g) {
+                      return faces[at(g)].box.meets(faces[f].box);
+                    });
+      if (near.has[f]) near.list.push_back(static_cast<int>(f));
+    }
+    const Part parts = part(near, mesh);
+    Points start(static_cast<Index>(parts.vertices.size()), 3);
+    for (size_t v = 0; v < parts.vertices.size(); ++v)
+      start.row(static_cast<Index>(v)) = targets[at(parts.vertices[v])].transpose();
+    detail::require_sound(parts.mesh, parts.face_of_quad, options.fidelity > 0 ? parts.soft : parts.held,
+                          start);
+  }
+
+  /// Lets the cage follow the region.
+  void fit_cage(const FaceSet& region, const PolylineMesh& mesh, const Progress& progress) {
+    FaceSet around = region;
+    for (int reach = 0; reach < kReachOfCage + 1; reach += 1 << options.splits)
+      if (!grow(around, mesh)) break;
+    close_fans(around, mesh);
+    const Part part_of = part(around, mesh);
+    ControlCage fitted;
+    fitted.mesh = part_of.mesh;
+    fitted.sharp_edges = part_of.sharp_edges;
+    for (size_t v = 0; v < part_of.vertices.size(); ++v)
+      fitted.mesh.positions.row(static_cast<Index>(v)) = cage[at(part_of.vertices[v])].transpose();
+    detail::fit_limit(fitted, part_of.mesh.positions, part_of.complete, progress);
+    for (size_t v = 0; v < part_of.vertices.size(); ++v)
+      cage[at(part_of.vertices[v])] = fitted.mesh.positions.row(static_cast<Index>(v));
+  }
+};
+
+EditedSurface::EditedSurface(const DiffusionOptions& options)
+    : implementation_(std::make_unique<Implementation>()) {
+  if (const auto problem = options.problem()) throw InvalidInput(*problem);
+  implementation_->options = options;
+}
+EditedSurface::~EditedSurface() = default;
+EditedSurface::EditedSurface(EditedSurface&&) noexcept = default;
+EditedSurface& EditedSurface::operator=(EditedSurface&&) noexcept = default;
+
+SurfaceUpdate EditedSurface::update(const PolylineMesh& mesh, const Progress& progress) {
+  Implementation& own = *implementation_;
+  double quads = 0;
+  for (const SketchFace& face : mesh.faces()) quads += static_cast<double>(face.sides.size());
+  quads *= std::pow(4.0, own.options.splits - 1);
+  if (quads == 0) throw InvalidInput("the model has no faces; insert a closed curve first");
+  if (quads > 2e6)
+    throw InvalidInput(concat("the refined mesh would have ", quads, " quads; use fewer splits"));
+  own.last = SurfaceUpdate();
+  own.diameter = mesh.diameter();
+  std::vector<int> stale;
+  {
+    const ScopedStage stage(own.last.times, "refine");
+    own.adopt(mesh);
+    for (size_t f = 0; f < own.faces.size(); ++f)
+      if (own.faces[f].stale) stale.push_back(static_cast<int>(f));
+  }
+  if (stale.empty()) return own.last;
+  Implementation::FaceSet region = own.set_of(stale, mesh);
+  {
+    const ScopedStage stage(own.last.times, "flow");
+    for (int ring = 0; ring < kFirstRings; ++ring) own.grow(region, mesh);
+    for (bool start = true;; start = false) {
+      Implementation::FaceSet surroundings = region;
+      const bool whole = !own.grow(surroundings, mesh);
+      own.close_fans(surroundings, mesh);
+      const double rim = own.flow(region, surroundings, start, mesh, progress);
+      for (const int f : region.list) own.faces[at(f)].stale = true;
+      if (whole || !(rim > own.options.tolerance)) break;
+      own.grow(region, mesh);
+    }
+  }
+  {
+    const ScopedStage stage(own.last.times, "check");
+    own.require_sound(region, mesh);
+  }
+  for (const int f : stale)
+    for (const int v : own.faces[at(f)].inner) own.cage[at(v)] = own.positions[at(v)];
+  {
+    const ScopedStage stage(own.last.times, "cage");
+    own.fit_cage(region, mesh, progress);
+  }
+  for (const int f : region.list) {
+    own.faces[at(f)].stale = false;
+    own.last.quads += static_cast<Index>(own.faces[at(f)].quads.size());
+  }
+  own.last.faces = region.list;
+  return own.last;
 }
 
-}  // namespace
+DiffusionSurface EditedSurface::surface(const PolylineMesh& mesh) const {
+  const Implementation& own = *implementation_;
+  DiffusionSurface surface;
+  std::vector<int> number(own.positions.size(), -1), order;
+  const auto take = [&](int v) {
+    number[at(v)] = static_cast<int>(order.size());
+    order.push_back(v);
+  };
+  for (const int v : own.of_vertex)
+    if (v >= 0) take(v);
+  for (const EdgeRecord& edge : own.edges)
+    for (size_t k = 1; k + 1 < edge.chain.size(); ++k) take(edge.chain[k]);
+  for (const FaceRecord& face : own.faces)
+    for (const int v : face.inner) take(v);
+  surface.on_curve.assign(order.size(), 0);
+  surface.vertices_of_edge.resize(mesh.edges().size());
+  for (size_t e = 0; e < mesh.edges().size(); ++e) {
+    const EdgeRecord& edge = own.edges[e];
+    std::vector<int>& chain = surface.vertices_of_edge[e];
+    for (size_t k = 0; k < edge.chain.size(); ++k) {
+      chain.push_back(number[at(edge.chain[k])]);
+      if (edge.drawn || k == 0 || k + 1 == edge.chain.size()) surface.on_curve[at(chain.back())] = 1;
+      if (k > 0 && edge.sharpness > 0)
+        surface.refined.sharp_edges.push_back(
+            {chain[k - 1], chain[k], edge.sharpness >= 1 ? kInfinitelySharp : 4 * edge.sharpness});
+    }
+  }
+  PolygonMesh& refined = surface.refined.mesh;
+  refined.positions.resize(static_cast<Index>(order.size()), 3);
+  for (size_t v = 0; v < order.size(); ++v)
+    refined.positions.row(static_cast<Index>(v)) = own.positions[at(order[v])].transpose();
+  for (size_t f = 0; f < own.faces.size(); ++f)
+    for (const std::array<int, 4>& quad : own.faces[f].quads) {
+      for (const int v : quad) refined.corners.push_back(number[at(v)]);
+      refined.offsets.push_back(static_cast<int>(refined.corners.size()));
+      surface.face_of_quad.push_back(static_cast<int>(f));
+    }
+  detail::turn_outwards(mesh, refined, surface.face_of_quad);
+  surface.cage = surface.refined;
+  for (size_t v = 0; v < order.size(); ++v)
+    surface.cage.mesh.positions.row(static_cast<Index>(v)) = own.cage[at(order[v])].transpose();
+  surface.last_move = own.last.last_move;
+  surface.times = own.last.times;
+  return surface;
+}
 
 std::optional<std::string> DiffusionOptions::problem() const {
   if (splits < 1 || splits > 6) return concat("splits must be 1 to 6, got ", splits);
-  if (rounds < 0 || rounds > 50) return concat("rounds must be 0 to 50, got ", rounds);
+  if (rounds < 0 || rounds > 200) return concat("rounds must be 0 to 200, got ", rounds);
+  if (!(tolerance > 0) || !std::isfinite(tolerance))
+    return concat("tolerance must be above 0, got ", tolerance);
   if (!(time_step > 0) || !std::isfinite(time_step))
     return concat("time_step must be above 0, got ", time_step);
   if (diffusion_steps < 1 || diffusion_steps > 1000)
@@ -462,36 +611,9 @@ std::optional<std::string> DiffusionOptions::problem() const {
 
 DiffusionSurface diffusion_surface(const PolylineMesh& mesh, const DiffusionOptions& options,
                                    const Progress& progress) {
-  if (const auto problem = options.problem()) throw InvalidInput(*problem);
-  double quads = 0;
-  for (const SketchFace& face : mesh.faces()) quads += static_cast<double>(face.sides.size());
-  quads *= std::pow(4.0, options.splits - 1);
-  if (quads == 0) throw InvalidInput("the model has no faces; insert a closed curve first");
-  if (quads > 2e6)
-    throw InvalidInput(concat("the refined mesh would have ", quads, " quads; use fewer splits"));
-  DiffusionSurface surface;
-  {
-    const ScopedStage stage(surface.times, "refine");
-    Refiner(mesh, options.splits).run(surface);
-    turn_outwards(mesh, surface);
-  }
-  const Points start = surface.refined.mesh.positions;
-  {
-    const ScopedStage stage(surface.times, "flow");
-    Flow flow(surface, vertex_sharpness(mesh, surface), options);
-    flow.remember_start();
-    const double size = bounding_box_diagonal(surface.refined.mesh.positions);
-    for (int round = 0; round < options.rounds; ++round) {
-      progress.report("flow", static_cast<double>(round) / options.rounds);
-      surface.last_move = flow.step() / size;
-      if (surface.last_move < 1e-9) break;
-    }
-  }
-  require_sound(surface, start);
-  const ScopedStage stage(surface.times, "cage");
-  surface.cage = surface.refined;
-  fit_limit(surface.cage, surface.refined.mesh.positions, progress);
-  return surface;
+  EditedSurface edited(options);
+  edited.update(mesh, progress);
+  return edited.surface(mesh);
 }
 
 }  // namespace batten

@@ -1,4 +1,5 @@
 #pragma once
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,12 +13,17 @@ namespace batten {
 
 /// Options of diffusion_surface(). The defaults are those of H 7.3.
 struct DiffusionOptions {
-  /// Splits of every face: the first makes n quads of n sides, each further one four of each. 3 gives the 16
-  /// n quads of H 6.4; cost grows fourfold with each. 1 to 6.
+  /// Splits of every face: the first makes n quads of n sides, each further one four of each; faces with
+  /// concave corners are divided there first and make more. 3 gives the 16 n quads of H 6.4; cost grows
+  /// fourfold with each. 1 to 6.
   int splits = 3;
-  /// Rounds of diffusion and refit, 0 to 50. Ten are enough for great circles to become a sphere.
-  int rounds = 10;
-  /// Time step τ of the diffusion without a unit (areas are divided by their mean), above 0; H: 0.1 to 1.
+  /// Rounds of diffusion and refit at most, 0 to 200. They end earlier when nothing moves any more.
+  int rounds = 30;
+  /// The flow has come to rest when no vertex moves by more than this share of the diameter in a round;
+  /// above 0. It is also how far a surface that follows edits may differ from one made from nothing.
+  double tolerance = 1e-4;
+  /// Time step τ of the diffusion without a unit (areas are divided by the mean area of a vertex of the face
+  /// at three splits), above 0; H: 0.1 to 1.
   double time_step = 1;
   /// Implicit steps of diffusion in each round (n_MAX), at least 1.
   int diffusion_steps = 5;
@@ -45,13 +51,52 @@ struct DiffusionSurface {
   StageTimes times;
 };
 
-/// The surface of FIRES V2 (H 6.4): faces are split at their centroids, then mean curvature is diffused over
-/// the surface (6.3), not across what is sharp, and the positions are refitted to it (6.4), in turns. Closed
-/// components are turned so that their normals point outwards.
+/// What an update of an EditedSurface has done.
+struct SurfaceUpdate {
+  std::vector<int> faces;  ///< faces of the model whose part of the surface is new, ascending
+  Eigen::Index quads = 0;  ///< of these faces
+  int rounds = 0;          ///< of the flow
+  double last_move = 0;    ///< largest move of a vertex in the last round, ÷ diameter
+  StageTimes times;
+};
+
+/// The surface of FIRES V2 (H 6.4) of a model that is being edited. Every face is split into quads in its
+/// plane, concave corners first; a thin plate through the curves is where the flow starts from; then mean
+/// curvature is diffused over the surface (6.3), not across what is sharp, and the positions are refitted to
+/// it (6.4), in turns, until nothing moves.
 /// Vertices that lie on a border or on sharp curves take no part in the diffusion (6.5), and their rows
 /// of the refit are left out, so that a crease bends freely.
-/// @throws InvalidInput on bad options, an empty model, more than 2 million quads, and where the surface
-/// would fold, cross itself or leave its curves, with the faces; SolverFailure; Cancelled.
+///
+/// It keeps what it has made: after an edit, only the faces that the edit has touched begin anew, and the
+/// flow moves them and as many rings of faces around them as the change reaches, the rest being held. Curves
+/// are held where they were drawn, so a change dies away within a few faces, and the cost follows the edit.
+/// With `fidelity` above 0 nothing holds it up, and all of a component is done again.
+class EditedSurface {
+ public:
+  /// @throws InvalidInput on bad options.
+  explicit EditedSurface(const DiffusionOptions& options = {});
+  ~EditedSurface();
+  EditedSurface(EditedSurface&&) noexcept;
+  EditedSurface& operator=(EditedSurface&&) noexcept;
+
+  /// Follows the model: does what is new in it since the last update, whatever led to it. (Finding that out
+  /// looks at every curve and face once, at none of their quads.)
+  /// @throws InvalidInput on an empty model, more than 2 million quads, and where the surface would fold,
+  /// cross itself or leave its curves, with the faces; SolverFailure; Cancelled. What was not finished is
+  /// done in the next update.
+  SurfaceUpdate update(const PolylineMesh& mesh, const Progress& progress = {});
+
+  /// The whole surface; closed components are turned so that their normals point outwards. Time is that of
+  /// copying. @pre the last update has succeeded, and `mesh` is its model.
+  DiffusionSurface surface(const PolylineMesh& mesh) const;
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+/// The surface of a model, made from nothing: the first update of an EditedSurface.
+/// @throws as EditedSurface does.
 DiffusionSurface diffusion_surface(const PolylineMesh& mesh, const DiffusionOptions& options = {},
                                    const Progress& progress = {});
 

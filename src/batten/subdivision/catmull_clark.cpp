@@ -91,39 +91,6 @@ std::unique_ptr<Far::TopologyRefiner> refiner_of(const ControlCage& cage, const 
   return refiner;
 }
 
-/// Position and tangents of the limit surface at a dart, as weights of the vertex, its n edge neighbours and
-/// n face diagonals in turn, the sharp edge first: the left eigenvectors of the subdivision matrix around it.
-/// OpenSubdiv takes those of a smooth vertex, which leave out that the edge point of the sharp edge is its
-/// middle.
-Eigen::MatrixXd dart_masks(int n) {
-  const auto edge = [n](int k) { return 1 + (k + n) % n; };
-  const auto diagonal = [n](int k) { return 1 + n + (k + n) % n; };
-  Eigen::MatrixXd S = Eigen::MatrixXd::Zero(2 * n + 1, 2 * n + 1);
-  for (int k = 0; k < n; ++k) {
-    // Face k lies between the edges k and k + 1.
-    for (const int i : {0, edge(k), edge(k + 1), diagonal(k)}) S(diagonal(k), i) += 0.25;
-    S(edge(k), 0) += k == 0 ? 0.5 : 3.0 / 8;
-    S(edge(k), edge(k)) += k == 0 ? 0.5 : 3.0 / 8;
-    if (k == 0) continue;
-    for (const int i : {edge(k - 1), edge(k + 1), diagonal(k - 1), diagonal(k)}) S(edge(k), i) += 1.0 / 16;
-  }
-  S(0, 0) = 1 - 7.0 / (4 * n);
-  for (int k = 0; k < n; ++k) {
-    S(0, edge(k)) = 3.0 / (2.0 * n * n);
-    S(0, diagonal(k)) = 1.0 / (4.0 * n * n);
-  }
-  const Eigen::EigenSolver<Eigen::MatrixXd> solver(S.transpose());
-  std::vector<int> order(at(2 * n + 1));
-  for (size_t i = 0; i < order.size(); ++i) order[i] = static_cast<int>(i);
-  std::sort(order.begin(), order.end(), [&](int i, int j) {
-    return std::abs(solver.eigenvalues()(i)) > std::abs(solver.eigenvalues()(j));
-  });
-  Eigen::MatrixXd masks(3, 2 * n + 1);
-  for (int i = 0; i < 3; ++i) masks.row(i) = solver.eigenvectors().col(order[at(i)]).real().transpose();
-  masks.row(0) /= masks.row(0).sum();
-  return masks;
-}
-
 /// Replaces what evaluate_limit() gives at darts that stay sharp.
 void evaluate_darts(const Far::TopologyLevel& level, const Points& last, Points& positions, Points& normals) {
   for (int v = 0; v < level.GetNumVertices(); ++v) {
@@ -260,6 +227,35 @@ void copy_faces(const Far::TopologyRefiner& refiner, int levels, SubdividedSurfa
 }
 
 }  // namespace
+
+Eigen::MatrixXd dart_masks(int n) {
+  const auto edge = [n](int k) { return 1 + (k + n) % n; };
+  const auto diagonal = [n](int k) { return 1 + n + (k + n) % n; };
+  Eigen::MatrixXd S = Eigen::MatrixXd::Zero(2 * n + 1, 2 * n + 1);
+  for (int k = 0; k < n; ++k) {
+    // Face k lies between the edges k and k + 1.
+    for (const int i : {0, edge(k), edge(k + 1), diagonal(k)}) S(diagonal(k), i) += 0.25;
+    S(edge(k), 0) += k == 0 ? 0.5 : 3.0 / 8;
+    S(edge(k), edge(k)) += k == 0 ? 0.5 : 3.0 / 8;
+    if (k == 0) continue;
+    for (const int i : {edge(k - 1), edge(k + 1), diagonal(k - 1), diagonal(k)}) S(edge(k), i) += 1.0 / 16;
+  }
+  S(0, 0) = 1 - 7.0 / (4 * n);
+  for (int k = 0; k < n; ++k) {
+    S(0, edge(k)) = 3.0 / (2.0 * n * n);
+    S(0, diagonal(k)) = 1.0 / (4.0 * n * n);
+  }
+  const Eigen::EigenSolver<Eigen::MatrixXd> solver(S.transpose());
+  std::vector<int> order(at(2 * n + 1));
+  for (size_t i = 0; i < order.size(); ++i) order[i] = static_cast<int>(i);
+  std::sort(order.begin(), order.end(), [&](int i, int j) {
+    return std::abs(solver.eigenvalues()(i)) > std::abs(solver.eigenvalues()(j));
+  });
+  Eigen::MatrixXd masks(3, 2 * n + 1);
+  for (int i = 0; i < 3; ++i) masks.row(i) = solver.eigenvectors().col(order[at(i)]).real().transpose();
+  masks.row(0) /= masks.row(0).sum();
+  return masks;
+}
 
 struct CatmullClark::Implementation {
   std::unique_ptr<Far::TopologyRefiner> refiner;

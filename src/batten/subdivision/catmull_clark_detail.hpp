@@ -43,4 +43,10 @@ struct LimitCells {
 };
 LimitCells limit_cells(const ControlCage& cage, const CageTopology& topology, int depth, bool smooth_corners);
 
+/// Position and tangents of the limit surface at a dart, as weights (3 × (2 n + 1)) of the vertex, its n edge
+/// neighbours and n face diagonals in turn, the sharp edge first: the left eigenvectors of the subdivision
+/// matrix around it. OpenSubdiv takes those of a smooth vertex, which leave out that the edge point of the
+/// sharp edge is its middle.
+Eigen::MatrixXd dart_masks(int n);
+
 }  // namespace batten::detail

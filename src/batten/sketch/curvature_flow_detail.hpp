@@ -1,0 +1,55 @@
+#pragma once
+#include <vector>
+
+#include "batten/core/arrays.hpp"
+#include "batten/linalg/sparse_cholesky.hpp"
+#include "batten/operators/intrinsic.hpp"
+#include "batten/sketch/diffusion_surface.hpp"
+
+// The flow of H 6.4.1 on a mesh, or on a part of one with the rest around it held. Private to the room.
+namespace batten::detail {
+
+/// What the flow moves, and what it knows about the vertices.
+struct FlowMesh {
+  Points positions;
+  Triangles triangles;
+  /// Sides of the triangles in the domains of their faces, where quads have a shape even if they have none
+  /// in space.
+  EdgeLengths domain;
+  std::vector<char> fixed;        ///< per vertex: never moves
+  std::vector<char> soft;         ///< per vertex: held softly at `targets` (option fidelity)
+  std::vector<char> without_row;  ///< per vertex: its mean curvature is not known (borders, the rim of a part)
+  std::vector<double> sharpness;  ///< per vertex: S of (6.5), 0 where smooth
+  std::vector<int> patch;         ///< per triangle: the face of the model, 0 … n_patches − 1
+  int n_patches = 0;
+  Points targets;  ///< n × 3; read where soft
+};
+
+/// Puts the vertices marked `fresh` onto a thin plate in the metric of the domains, through all others: min
+/// Σ M |M⁻¹ K X|² over the rows of smooth vertices. It bends on over smooth curves, and is a plane where the
+/// curves lie in one.
+void start_flow(FlowMesh& mesh, const std::vector<char>& fresh);
+
+/// Rounds of STEP 1 and STEP 2 of H 6.4.1.
+class CurvatureFlow {
+ public:
+  CurvatureFlow(FlowMesh& mesh, const DiffusionOptions& options);
+  /// One round. @return the move of every vertex, n lengths.
+  Eigen::VectorXd round();
+  /// Triangles that would have folded in the last round and were held back.
+  int n_held_back() const { return n_held_back_; }
+
+ private:
+  double similarity(double s, double t) const;
+  void diffuse(const SparseMatrix& K, const Eigen::VectorXd& M, Eigen::VectorXd& H);
+  void move(const Points& step);
+
+  FlowMesh& mesh_;
+  const DiffusionOptions& options_;
+  std::vector<int> index_;  ///< per vertex its unknown, or −1
+  int n_unknown_ = 0, n_held_back_ = 0;
+  SparseCholesky diffusion_, refit_;
+  Eigen::VectorXd moved_;
+};
+
+}  // namespace batten::detail

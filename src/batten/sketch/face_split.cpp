@@ -1,0 +1,315 @@
+// Generalised Catmull–Clark split of H 6.4, done in a plane: centroids of faces in space lie anywhere when a
+// face is far from convex.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <Eigen/Geometry>
+
+#include "batten/core/units.hpp"
+#include "batten/linalg/sparse_cholesky.hpp"
+#include "batten/mesh/predicates.hpp"
+#include "batten/sketch/face_split_detail.hpp"
+
+namespace batten::detail {
+
+namespace {
+
+using Eigen::Index;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+/// Corners that turn in by less than this are left alone: hands do not draw straight angles.
+constexpr double kReflexFrom = 1.15 * kPi;
+
+size_t at(int i) {
+  return static_cast<size_t>(i);
+}
+
+double cross(const Vector2d& a, const Vector2d& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
+
+/// The corners of a closed polygon are its rows.
+bool is_simple(const PlanePoints& polygon) {
+  const Index n = polygon.rows();
+  const auto p = [&](Index i) -> Vector2d { return polygon.row(i % n); };
+  for (Index i = 0; i < n; ++i) {
+    const Vector2d low = p(i).cwiseMin(p(i + 1)), high = p(i).cwiseMax(p(i + 1));
+    for (Index j = i + 1; j < n; ++j) {
+      if (((p(j).cwiseMin(p(j + 1)) - high).array() > 0).any() ||
+          ((low - p(j).cwiseMax(p(j + 1))).array() > 0).any())
+        continue;
+      const bool next = j == i + 1, last = i == 0 && j == n - 1;
+      if (next || last) {  // neighbours may only not turn back
+        const Vector2d shared = next ? p(j) : p(i), one = next ? p(i) : p(i + 1), two = next ? p(j + 1) : p(j);
+        if (orient2d(one, shared, two) == 0 && (one - shared).dot(two - shared) >= 0) return false;
+        continue;
+      }
+      const int a = orient2d(p(i), p(i + 1), p(j)), b = orient2d(p(i), p(i + 1), p(j + 1));
+      const int c = orient2d(p(j), p(j + 1), p(i)), d = orient2d(p(j), p(j + 1), p(i + 1));
+      if (a * b <= 0 && c * d <= 0) return false;
+    }
+  }
+  return true;
+}
+
+double area_of(const PlanePoints& polygon) {
+  double twice = 0;
+  for (Index i = 0, n = polygon.rows(); i < n; ++i)
+    twice += cross(polygon.row(i), polygon.row((i + 1) % n));
+  return twice / 2;
+}
+
+/// A face while it is divided.
+class Splitter {
+ public:
+  Splitter(int n_sides, int splits, PlanePoints boundary)
+      : n_sides_(n_sides), m_(1 << splits), boundary_(std::move(boundary)) {}
+
+  /// @param divide cut off concave corners first.
+  FaceSplit run(bool divide) {
+    positions_.clear();
+    for (Index i = 0; i < boundary_.rows(); ++i) positions_.push_back(boundary_.row(i));
+    quads_.clear();
+    std::vector<Chain> whole;
+    for (int k = 0; k < n_sides_; ++k) {
+      Chain chain;
+      for (int i = 0; i <= m_; ++i) chain.push_back((k * m_ + i) % static_cast<int>(boundary_.rows()));
+      whole.push_back(std::move(chain));
+    }
+    n_pieces_ = 0;
+    divide_piece(std::move(whole), divide);
+    FaceSplit split;
+    split.domain.resize(static_cast<Index>(positions_.size()), 2);
+    for (size_t v = 0; v < positions_.size(); ++v)
+      split.domain.row(static_cast<Index>(v)) = positions_[v].transpose();
+    split.n_boundary = static_cast<int>(boundary_.rows());
+    split.quads = quads_;
+    split.n_pieces = n_pieces_;
+    return split;
+  }
+
+ private:
+  /// The vertices of one side of a piece, from corner to corner.
+  using Chain = std::vector<int>;
+
+  int add(const Vector2d& position) {
+    positions_.push_back(position);
+    return static_cast<int>(positions_.size()) - 1;
+  }
+
+  const Vector2d& p(int v) const { return positions_[at(v)]; }
+
+  /// The inner angle at corner k of a piece, 0 to 2π.
+  double angle_at(const std::vector<Chain>& piece, size_t k) const {
+    const Chain& next = piece[k];
+    const Chain& last = piece[(k + piece.size() - 1) % piece.size()];
+    return angle_between(p(next[1]) - p(next[0]), p(last[last.size() - 2]) - p(next[0]));
+  }
+
+  /// From a counter-clockwise to b, 0 to 2π.
+  static double angle_between(const Vector2d& a, const Vector2d& b) {
+    const double angle = std::atan2(cross(a, b), a.dot(b));
+    return angle < 0 ? angle + 2 * kPi : angle;
+  }
+
+  /// The straight line between two corners runs inside the piece.
+  bool is_inside(const std::vector<Chain>& piece, size_t a, size_t b) const {
+    const Vector2d from = p(piece[a][0]), to = p(piece[b][0]);
+    const Chain& last = piece[(a + piece.size() - 1) % piece.size()];
+    const double start = angle_between(p(piece[a][1]) - from, to - from),
+                 whole = angle_between(p(piece[a][1]) - from, p(last[last.size() - 2]) - from);
+    if (!(start > 0.1) || !(start < whole - 0.1)) return false;
+    for (const Chain& chain : piece)
+      for (size_t i = 0; i + 1 < chain.size(); ++i) {
+        const int v = chain[i], w = chain[i + 1];
+        if (v == piece[a][0] || v == piece[b][0] || w == piece[a][0] || w == piece[b][0]) continue;
+        if (orient2d(from, to, p(v)) * orient2d(from, to, p(w)) <= 0 &&
+            orient2d(p(v), p(w), from) * orient2d(p(v), p(w), to) <= 0)
+          return false;
+      }
+    return true;
+  }
+
+  /// Cuts a piece at its most concave corner, again and again, where a straight line within it helps.
+  void divide_piece(std::vector<Chain> piece, bool divide) {
+    const size_t n = piece.size();
+    double worst = kReflexFrom;
+    size_t reflex = n;
+    for (size_t k = 0; divide && n > 3 && k < n; ++k)
+      if (const double angle = angle_at(piece, k); angle > worst + 1e-9) worst = angle, reflex = k;
+    size_t to = n;
+    double best = std::numeric_limits<double>::infinity();
+    for (size_t k = 0; reflex < n && k < n; ++k) {
+      if (k == reflex || (k + 1) % n == reflex || (reflex + 1) % n == k) continue;
+      if (!is_inside(piece, reflex, k)) continue;
+      // The line should halve the concave corner, leave no concave corners at its other end, and be short.
+      const Vector2d line = p(piece[k][0]) - p(piece[reflex][0]);
+      const double first = angle_between(p(piece[reflex][1]) - p(piece[reflex][0]), line),
+                   rest = worst - first;
+      const double other = angle_at(piece, k),
+                   before = angle_between(p(piece[k][1]) - p(piece[k][0]), -line), after = other - before;
+      const auto excess = [](double angle) { return std::max(0.0, angle - 1.02 * kPi); };
+      const auto lack = [](double angle) { return std::max(0.0, kPi / 4 - angle); };
+      double concave = 0;
+      for (const double angle : {first, rest, before, after}) concave += excess(angle) + 0.5 * lack(angle);
+      const double cost = line.norm() * (1 + 4 * concave);
+      if (cost < best * (1 - 1e-9)) best = cost, to = k;
+    }
+    if (to == n) {
+      fill_piece(piece);
+      return;
+    }
+    Chain line{piece[reflex][0]};
+    for (int i = 1; i < m_; ++i) {
+      const double t = static_cast<double>(i) / m_;
+      line.push_back(add((1 - t) * p(piece[reflex][0]) + t * p(piece[to][0])));
+    }
+    line.push_back(piece[to][0]);
+    Chain back(line.rbegin(), line.rend());
+    std::vector<Chain> first{line}, second{back};
+    for (size_t k = to; k != reflex; k = (k + 1) % n) first.push_back(piece[k]);
+    for (size_t k = reflex; k != to; k = (k + 1) % n) second.push_back(piece[k]);
+    divide_piece(std::move(first), divide);
+    divide_piece(std::move(second), divide);
+  }
+
+  /// The split of Catmull–Clark: n grids around the centroid, their inner vertices bilinearly blended from
+  /// their sides (H 6.1.2).
+  void fill_piece(const std::vector<Chain>& piece) {
+    const size_t n = piece.size();
+    const int half = m_ / 2, first_inner = static_cast<int>(positions_.size());
+    const size_t first_quad = quads_.size();
+    Vector2d sum = Vector2d::Zero();
+    double length = 0;
+    for (const Chain& chain : piece)
+      for (size_t i = 0; i + 1 < chain.size(); ++i) {
+        const double step = (p(chain[i + 1]) - p(chain[i])).norm();
+        sum += step * (p(chain[i]) + p(chain[i + 1])) / 2;
+        length += step;
+      }
+    const int centre = add(sum / length);
+    std::vector<Chain> spokes(n);  // from the middle of each side to the centroid
+    for (size_t k = 0; k < n; ++k) {
+      const int middle = piece[k][at(half)];
+      spokes[k].push_back(middle);
+      for (int i = 1; i < half; ++i) {
+        const double t = static_cast<double>(i) / half;
+        spokes[k].push_back(add((1 - t) * p(middle) + t * p(centre)));
+      }
+      spokes[k].push_back(centre);
+    }
+    for (size_t k = 0; k < n; ++k) {  // the quad at the start of side k
+      const size_t before = (k + n - 1) % n;
+      Eigen::MatrixXi grid(half + 1, half + 1);  // i along side k, j along the side before, backwards
+      for (int i = 0; i <= half; ++i) {
+        grid(i, 0) = piece[k][at(i)];
+        grid(0, i) = piece[before][piece[before].size() - 1 - at(i)];
+        grid(half, i) = spokes[k][at(i)];
+        grid(i, half) = spokes[before][at(i)];
+      }
+      const auto q = [&](int i, int j) -> const Vector2d& { return p(grid(i, j)); };
+      for (int j = 1; j < half; ++j)
+        for (int i = 1; i < half; ++i) {
+          const double u = static_cast<double>(i) / half, v = static_cast<double>(j) / half;
+          const Vector2d position = (1 - v) * q(i, 0) + v * q(i, half) + (1 - u) * q(0, j) + u * q(half, j) -
+                                    (1 - u) * (1 - v) * q(0, 0) - u * (1 - v) * q(half, 0) -
+                                    (1 - u) * v * q(0, half) - u * v * q(half, half);
+          grid(i, j) = add(position);
+        }
+      for (int j = 0; j < half; ++j)
+        for (int i = 0; i < half; ++i)
+          quads_.push_back({grid(i, j), grid(i + 1, j), grid(i + 1, j + 1), grid(i, j + 1)});
+    }
+    ++n_pieces_;
+    if (folded(first_quad)) relax(first_quad, first_inner);
+  }
+
+  bool folded(size_t from) const {
+    for (size_t q = from; q < quads_.size(); ++q)
+      for (const std::array<int, 3>& t : cut_along_corners(quads_[q]))
+        if (orient2d(p(t[0]), p(t[1]), p(t[2])) <= 0) return true;
+    return false;
+  }
+
+  /// Puts every inner vertex of a piece into the mean of its neighbours (Tutte 1963).
+  void relax(size_t first_quad, int first_inner) {
+    const int n = static_cast<int>(positions_.size()) - first_inner;
+    std::vector<Eigen::Triplet<double>> entries;
+    Eigen::MatrixXd right = Eigen::MatrixXd::Zero(n, 2);
+    for (size_t q = first_quad; q < quads_.size(); ++q)
+      for (const std::array<int, 3>& t : cut_along_corners(quads_[q]))
+        for (int k = 0; k < 3; ++k) {
+          const int v = t[static_cast<size_t>(k)], w = t[static_cast<size_t>((k + 1) % 3)];
+          for (const auto& [a, b] : {std::pair(v, w), std::pair(w, v)}) {
+            if (a < first_inner) continue;
+            entries.emplace_back(a - first_inner, a - first_inner, 1.0);
+            if (b < first_inner)
+              right.row(a - first_inner) += p(b).transpose();
+            else
+              entries.emplace_back(a - first_inner, b - first_inner, -1.0);
+          }
+        }
+    SparseMatrix A(n, n);
+    A.setFromTriplets(entries.begin(), entries.end());
+    SparseCholesky solver("layout of a face", CholeskyBackend::Eigen);
+    solver.factorize(A);
+    const Eigen::MatrixXd solved = solver.solve(right);
+    for (int v = 0; v < n; ++v) positions_[at(first_inner + v)] = solved.row(v);
+  }
+
+ public:
+  bool is_valid() const { return !folded(0); }
+
+ private:
+  int n_sides_, m_, n_pieces_ = 0;
+  PlanePoints boundary_;
+  std::vector<Vector2d> positions_;
+  std::vector<std::array<int, 4>> quads_;
+};
+
+}  // namespace
+
+FaceSplit split_face_into_quads(const std::vector<Points>& sides, int splits) {
+  const int n_sides = static_cast<int>(sides.size()), m = 1 << splits;
+  Points loop(n_sides * m, 3);
+  for (int k = 0; k < n_sides; ++k) loop.middleRows(k * m, m) = sides[at(k)].topRows(m);
+  const Vector3d middle = loop.colwise().mean();
+  Vector3d normal = Vector3d::Zero();
+  double perimeter = 0;
+  for (Index i = 0, n = loop.rows(); i < n; ++i) {
+    const Vector3d a = loop.row(i).transpose() - middle, b = loop.row((i + 1) % n).transpose() - middle;
+    normal += a.cross(b);
+    perimeter += (b - a).norm();
+  }
+  if (normal.norm() > 1e-3 * perimeter * perimeter) {
+    const Vector3d z = normal.normalized(), x = z.unitOrthogonal(), y = z.cross(x);
+    PlanePoints projected(loop.rows(), 2);
+    for (Index i = 0; i < loop.rows(); ++i) {
+      const Vector3d offset = loop.row(i).transpose() - middle;
+      projected.row(i) << offset.dot(x), offset.dot(y);
+    }
+    if (is_simple(projected) && area_of(projected) > 0) {
+      Splitter splitter(n_sides, splits, projected);
+      FaceSplit split = splitter.run(true);
+      if (splitter.is_valid()) {
+        split.is_projection = true;
+        return split;
+      }
+    }
+  }
+  // A disc with the boundary by arc length: whatever the face, the split is a valid one there.
+  PlanePoints disc(loop.rows(), 2);
+  double arc = 0;
+  for (Index i = 0, n = loop.rows(); i < n; ++i) {
+    const double turn = 2 * kPi * (arc + 1e-3 * perimeter * static_cast<double>(i) / static_cast<double>(n)) /
+                        (1.001 * perimeter);
+    disc.row(i) << perimeter / (2 * kPi) * std::cos(turn), perimeter / (2 * kPi) * std::sin(turn);
+    arc += (loop.row((i + 1) % n) - loop.row(i)).norm();
+  }
+  Splitter splitter(n_sides, splits, disc);
+  return splitter.run(false);
+}
+
+}  // namespace batten::detail
