@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
 #include "batten/core/error.hpp"
@@ -32,6 +33,9 @@ constexpr int kFirstRings = 1;
 /// The weights by which a cage follows its limit points fall to 1e-5 over so many quads.
 constexpr int kReachOfCage = 8;
 
+/// A flow that has moved so many times farther than before in one round runs away; the shape before is kept.
+constexpr double kDivergence = 4;
+
 /// What the surface knows of an edge of the model, to see whether it has changed, and its vertices.
 struct EdgeRecord {
   bool alive = false, drawn = true;
@@ -55,14 +59,69 @@ struct FaceRecord {
   bool alive = false;
   /// Its part of the surface is not (yet) what the model asks for.
   bool stale = false;
+  /// Its inner vertices have begun on a Coons patch, not on a plate.
+  bool is_coons = false;
   std::vector<int> sides, inner;
   std::vector<std::array<int, 4>> quads;
   detail::PlanePoints domain;
   std::vector<std::array<int, 4>> domain_quads;  // the same quads in rows of `domain`
-  Box box;
+  Box box{Vector3d::Zero(), Vector3d::Zero()};
 };
 
+/// The bilinearly blended Coons patch of four sides (H 6.1.2). It follows tubes, which a plate through few
+/// curves does not.
+Vector3d coons_point(const std::vector<Points>& sides, const Eigen::Vector2d& at_square) {
+  const double u = at_square.x(), v = at_square.y();
+  const auto p = [&](size_t side, double t) -> Vector3d {
+    return sides[side].row(static_cast<Index>(std::lround(t * static_cast<double>(sides[side].rows() - 1))));
+  };
+  return (1 - v) * p(0, u) + v * p(2, 1 - u) + (1 - u) * p(3, 1 - v) + u * p(1, v) -
+         (1 - u) * (1 - v) * p(0, 0) - u * (1 - v) * p(1, 0) - u * v * p(2, 0) - (1 - u) * v * p(3, 0);
+}
+
 }  // namespace
+
+/// The plane in which a surface lies at a vertex of the model, from the drawn curves that meet there: its
+/// unit normal, with either sign; zero where they do not tell.
+Vector3d normal_at(const PolylineMesh& mesh, int vertex) {
+  constexpr int kSamples = 16;
+  const Vector3d here = mesh.vertex(vertex).position;
+  // Where all curves leave in one direction, their further course tells: a hole is nearly flat.
+  for (const int reach : {1, kSamples}) {
+    Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+    for (const int e : mesh.vertex(vertex).edges) {
+      const SketchEdge& edge = mesh.edge(e);
+      if (!edge.drawn) continue;
+      const Points samples = edge.polyline->sampled(kSamples);
+      const bool forward = edge.vertices[0] == vertex;
+      for (int k = 1; k <= reach; ++k) {
+        const Vector3d offset = samples.row(forward ? k : kSamples - k).transpose() - here;
+        if (const double length = offset.norm(); length > 0) spread += offset * offset.transpose() / length;
+      }
+    }
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread);
+    if (axes.eigenvalues()(1) > 0.05 * axes.eigenvalues()(2)) return axes.eigenvectors().col(0);
+  }
+  return Vector3d::Zero();
+}
+
+/// Points along a curve that a tool has made between two vertices: the cubic that leaves and reaches them in
+/// the planes of the surface there. A straight line (H 6.4.2) would cut through a round body.
+Points course_of_tie(const PolylineMesh& mesh, const SketchEdge& edge, int n) {
+  Points points = edge.polyline->sampled(n);
+  const Vector3d from = points.row(0), to = points.row(n), chord = to - from;
+  std::array<Vector3d, 2> tangents;
+  for (size_t k = 0; k < 2; ++k) {
+    const Vector3d normal = normal_at(mesh, edge.vertices[k]), in_plane = chord - chord.dot(normal) * normal;
+    tangents[k] = in_plane.norm() > 0.2 * chord.norm() ? (chord.norm() * in_plane.normalized()).eval() : chord;
+  }
+  for (int i = 1; i < n; ++i) {
+    const double t = static_cast<double>(i) / n, s = 1 - t;
+    points.row(i) = s * s * (1 + 2 * t) * from + t * t * (1 + 2 * s) * to + t * s * s * tangents[0] -
+                    t * t * s * tangents[1];
+  }
+  return points;
+}
 
 struct EditedSurface::Implementation {
   DiffusionOptions options;
@@ -162,7 +221,7 @@ struct EditedSurface::Implementation {
       EdgeRecord& edge = edges[e];
       if (!now.alive || edge.same(now)) continue;
       if (!edge.alive) {
-        const Points samples = now.polyline->sampled(n);
+        const Points samples = now.drawn ? now.polyline->sampled(n) : course_of_tie(mesh, now, n);
         edge.chain.push_back(of_vertex[at(now.vertices[0])]);
         for (int k = 1; k < n; ++k) edge.chain.push_back(add(samples.row(k)));
         edge.chain.push_back(of_vertex[at(now.vertices[1])]);
@@ -200,6 +259,9 @@ struct EditedSurface::Implementation {
     for (const std::array<int, 4>& quad : made.quads)
       face.quads.push_back({vertices[at(quad[0])], vertices[at(quad[1])], vertices[at(quad[2])],
                             vertices[at(quad[3])]});
+    face.is_coons = made.square.rows() > 0;
+    for (Index v = made.n_boundary; face.is_coons && v < made.domain.rows(); ++v)
+      positions[at(vertices[static_cast<size_t>(v)])] = coons_point(sides, made.square.row(v));
     face.domain = std::move(made.domain);
     face.domain_quads = std::move(made.quads);
   }
@@ -380,9 +442,13 @@ struct EditedSurface::Implementation {
         for (const int v : quad) {
           movable[at(local[at(v)])] = 1;
           if (outermost) at_rim[at(local[at(v)])] = 1;
-          if (faces[at(f)].stale) fresh[at(local[at(v)])] = 1;
+          if (faces[at(f)].stale && !faces[at(f)].is_coons) fresh[at(local[at(v)])] = 1;
         }
     }
+    for (const int f : region.list)
+      if (faces[at(f)].stale && faces[at(f)].is_coons)
+        for (const std::array<int, 4>& quad : faces[at(f)].quads)
+          for (const int v : quad) fresh[at(local[at(v)])] = 0;
     for (const int f : surroundings.list)
       if (!region.has[at(f)])
         for (const std::array<int, 4>& quad : faces[at(f)].quads)
@@ -426,11 +492,21 @@ struct EditedSurface::Implementation {
     if (start) detail::start_flow(flow, fresh);
     const Points before = flow.positions;
     detail::CurvatureFlow rounds(flow, options);
+    Points best = flow.positions;
+    double least = std::numeric_limits<double>::infinity();
     for (int round = 0; round < options.rounds; ++round) {
       progress.report("flow", static_cast<double>(round) / options.rounds);
       last.last_move = rounds.round().maxCoeff() / diameter;
       ++last.rounds;
-      if (last.last_move < options.tolerance) break;
+      if (last.last_move < least) {
+        least = last.last_move;
+        best = flow.positions;
+      }
+      if (last.last_move < options.tolerance || !(last.last_move < kDivergence * least)) break;
+    }
+    if (least < last.last_move) {
+      flow.positions = best;
+      last.last_move = least;
     }
     double moved_rim = 0;
     for (size_t v = 0; v < n; ++v) {

@@ -22,6 +22,9 @@ using Eigen::Vector3d;
 /// Corners that turn in by less than this are left alone: hands do not draw straight angles.
 constexpr double kReflexFrom = 1.15 * kPi;
 
+/// A projection that shortens a piece of the boundary to less than this is no picture of the face.
+constexpr double kLeastLength = 0.6;
+
 size_t at(int i) {
   return static_cast<size_t>(i);
 }
@@ -59,6 +62,41 @@ double area_of(const PlanePoints& polygon) {
   for (Index i = 0, n = polygon.rows(); i < n; ++i)
     twice += cross(polygon.row(i), polygon.row((i + 1) % n));
   return twice / 2;
+}
+
+/// A polygon with its corners on a circle and straight sides as long as the curved ones of a loop, sampled as
+/// they are; empty where there is none (two sides, or one longer than the others together) or where it is
+/// too flat at a corner.
+PlanePoints cyclic_polygon(const Points& loop, int n_sides) {
+  const Index n = loop.rows(), m = n / n_sides;
+  Eigen::VectorXd arcs = Eigen::VectorXd::Zero(n + 1), lengths(n_sides);
+  for (Index i = 0; i < n; ++i) arcs(i + 1) = arcs(i) + (loop.row((i + 1) % n) - loop.row(i)).norm();
+  for (Index k = 0; k < n_sides; ++k) lengths(k) = arcs((k + 1) * m) - arcs(k * m);
+  const double longest = lengths.maxCoeff();
+  if (n_sides < 3 || longest > 0.45 * arcs(n)) return {};
+  // The sides subtend 2 asin(length / diameter); together a whole turn, if the centre lies inside.
+  const auto turn = [&](double diameter) {
+    return 2 * (lengths.array() / diameter).min(1.0).asin().sum();
+  };
+  double low = longest, high = arcs(n);
+  if (turn(low) < 2 * kPi) return {};
+  for (int k = 0; k < 100; ++k) {
+    const double middle = (low + high) / 2;
+    (turn(middle) > 2 * kPi ? low : high) = middle;
+  }
+  PlanePoints polygon(n, 2);
+  double angle = 0;
+  for (Index k = 0; k < n_sides; ++k) {
+    const double next = angle + 2 * std::asin(std::min(lengths(k) / high, 1.0));
+    const Eigen::RowVector2d from = high / 2 * Eigen::RowVector2d(std::cos(angle), std::sin(angle)),
+                             to = high / 2 * Eigen::RowVector2d(std::cos(next), std::sin(next));
+    for (Index i = 0; i < m; ++i) {
+      const double t = (arcs(k * m + i) - arcs(k * m)) / lengths(k);
+      polygon.row(k * m + i) = (1 - t) * from + t * to;
+    }
+    angle = next;
+  }
+  return polygon;
 }
 
 /// A face while it is divided.
@@ -269,9 +307,7 @@ class Splitter {
   std::vector<std::array<int, 4>> quads_;
 };
 
-}  // namespace
-
-FaceSplit split_face_into_quads(const std::vector<Points>& sides, int splits) {
+FaceSplit lay_out(const std::vector<Points>& sides, int splits) {
   const int n_sides = static_cast<int>(sides.size()), m = 1 << splits;
   Points loop(n_sides * m, 3);
   for (int k = 0; k < n_sides; ++k) loop.middleRows(k * m, m) = sides[at(k)].topRows(m);
@@ -290,7 +326,11 @@ FaceSplit split_face_into_quads(const std::vector<Points>& sides, int splits) {
       const Vector3d offset = loop.row(i).transpose() - middle;
       projected.row(i) << offset.dot(x), offset.dot(y);
     }
-    if (is_simple(projected) && area_of(projected) > 0) {
+    double least = 1;
+    for (Index i = 0, n = loop.rows(); i < n; ++i)
+      least = std::min(least, (projected.row((i + 1) % n) - projected.row(i)).norm() /
+                                  (loop.row((i + 1) % n) - loop.row(i)).norm());
+    if (least > kLeastLength && is_simple(projected) && area_of(projected) > 0) {
       Splitter splitter(n_sides, splits, projected);
       FaceSplit split = splitter.run(true);
       if (splitter.is_valid()) {
@@ -298,6 +338,12 @@ FaceSplit split_face_into_quads(const std::vector<Points>& sides, int splits) {
         return split;
       }
     }
+  }
+  // A convex polygon with sides of the same lengths: half a cylinder unrolls to its rectangle.
+  if (const PlanePoints polygon = cyclic_polygon(loop, n_sides); polygon.rows() > 0) {
+    Splitter splitter(n_sides, splits, polygon);
+    FaceSplit split = splitter.run(false);
+    if (splitter.is_valid()) return split;
   }
   // A disc with the boundary by arc length: whatever the face, the split is a valid one there.
   PlanePoints disc(loop.rows(), 2);
@@ -310,6 +356,24 @@ FaceSplit split_face_into_quads(const std::vector<Points>& sides, int splits) {
   }
   Splitter splitter(n_sides, splits, disc);
   return splitter.run(false);
+}
+
+}  // namespace
+
+FaceSplit split_face_into_quads(const std::vector<Points>& sides, int splits) {
+  FaceSplit split = lay_out(sides, splits);
+  if (sides.size() != 4 || split.n_pieces != 1) return split;
+  const int m = 1 << splits;
+  PlanePoints square(4 * m, 2);
+  for (int i = 0; i < m; ++i) {
+    const double t = static_cast<double>(i) / m;
+    square.row(i) << t, 0;
+    square.row(m + i) << 1, t;
+    square.row(2 * m + i) << 1 - t, 1;
+    square.row(3 * m + i) << 0, 1 - t;
+  }
+  split.square = Splitter(4, splits, square).run(false).domain;
+  return split;
 }
 
 }  // namespace batten::detail

@@ -22,8 +22,11 @@ struct FaceSplit {
   /// third the one nearest to its centroid.
   std::vector<std::array<int, 4>> quads;
   int n_pieces = 0;
-  /// The domain is the best plane of the face; false: a disc, because the face overlaps itself seen along
-  /// every axis, and the quads would not keep their order in its plane.
+  /// Of an undivided face of four sides: the domain once more, as the unit square with the first side along
+  /// its first axis; else 0 × 2.
+  PlanePoints square;
+  /// The domain is the face's best plane; false: a convex polygon with sides of the same lengths, or a disc,
+  /// because the face overlaps itself in its plane or turns away from it.
   bool is_projection = false;
 };
 
