@@ -12,6 +12,7 @@
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
 #include "batten/mesh/box_tree.hpp"
+#include "batten/mesh/self_intersections.hpp"
 #include "batten/sketch/cage_fit_detail.hpp"
 #include "batten/sketch/curvature_flow_detail.hpp"
 #include "batten/sketch/face_split_detail.hpp"
@@ -61,6 +62,8 @@ struct FaceRecord {
   bool stale = false;
   /// Its inner vertices have begun on a Coons patch, not on a plate.
   bool is_coons = false;
+  /// The flow would fold it: it stays as it started.
+  bool frozen = false;
   std::vector<int> sides, inner;
   std::vector<std::array<int, 4>> quads;
   detail::PlanePoints domain;
@@ -68,18 +71,42 @@ struct FaceRecord {
   Box box{Vector3d::Zero(), Vector3d::Zero()};
 };
 
-/// The bilinearly blended Coons patch of four sides (H 6.1.2). It follows tubes, which a plate through few
-/// curves does not.
-Vector3d coons_point(const std::vector<Points>& sides, const Eigen::Vector2d& at_square) {
-  const double u = at_square.x(), v = at_square.y();
-  const auto p = [&](size_t side, double t) -> Vector3d {
-    return sides[side].row(static_cast<Index>(std::lround(t * static_cast<double>(sides[side].rows() - 1))));
-  };
-  return (1 - v) * p(0, u) + v * p(2, 1 - u) + (1 - u) * p(3, 1 - v) + u * p(1, v) -
-         (1 - u) * (1 - v) * p(0, 0) - u * (1 - v) * p(1, 0) - u * v * p(2, 0) - (1 - u) * v * p(3, 0);
-}
+/// The bilinearly blended Coons patch (H 6.1.2) over the unit square. It follows tubes, which a plate through
+/// few curves does not.
+class CoonsPatch {
+ public:
+  /// @param square of the boundary, n × 2, and its points, n × 3, counter-clockwise.
+  CoonsPatch(const detail::PlanePoints& square, const Points& points) {
+    // The four sides as points over their parameter, 0 to 1 along the axes.
+    const auto side = [&](Index fixed, double value) {
+      std::vector<std::pair<double, Vector3d>> found;
+      for (Index i = 0; i < square.rows(); ++i)
+        if (std::abs(square(i, fixed) - value) < 1e-12)
+          found.emplace_back(square(i, 1 - fixed), points.row(i));
+      std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+      return found;
+    };
+    sides_ = {side(1, 0), side(1, 1), side(0, 0), side(0, 1)};
+  }
 
-}  // namespace
+  Vector3d at(double u, double v) const {
+    const auto p = [&](size_t side, double t) { return along(sides_[side], t); };
+    return (1 - v) * p(0, u) + v * p(1, u) + (1 - u) * p(2, v) + u * p(3, v) - (1 - u) * (1 - v) * p(0, 0) -
+           u * (1 - v) * p(0, 1) - (1 - u) * v * p(1, 0) - u * v * p(1, 1);
+  }
+
+ private:
+  using Side = std::vector<std::pair<double, Vector3d>>;
+
+  static Vector3d along(const Side& side, double t) {
+    size_t k = 1;
+    while (k + 1 < side.size() && side[k].first < t) ++k;
+    const double share = (t - side[k - 1].first) / (side[k].first - side[k - 1].first);
+    return (1 - share) * side[k - 1].second + share * side[k].second;
+  }
+
+  std::array<Side, 4> sides_;
+};
 
 /// The plane in which a surface lies at a vertex of the model, from the drawn curves that meet there: its
 /// unit normal, with either sign; zero where they do not tell.
@@ -123,10 +150,13 @@ Points course_of_tie(const PolylineMesh& mesh, const SketchEdge& edge, int n) {
   return points;
 }
 
+}  // namespace
+
 struct EditedSurface::Implementation {
   DiffusionOptions options;
   // Vertices keep their places while faces come and go around them.
   std::vector<Vector3d> positions, targets, cage;
+  std::vector<Vector3d> started;  // where the flow began
   std::vector<int> unused;
   std::vector<int> of_vertex;  // per vertex of the model its place, or −1
   std::vector<EdgeRecord> edges;
@@ -139,6 +169,7 @@ struct EditedSurface::Implementation {
     int v = static_cast<int>(positions.size());
     if (unused.empty()) {
       positions.push_back(position), targets.push_back(position), cage.push_back(position);
+      started.push_back(position);
       local.push_back(-1);
     } else {
       v = unused.back();
@@ -260,8 +291,13 @@ struct EditedSurface::Implementation {
       face.quads.push_back({vertices[at(quad[0])], vertices[at(quad[1])], vertices[at(quad[2])],
                             vertices[at(quad[3])]});
     face.is_coons = made.square.rows() > 0;
-    for (Index v = made.n_boundary; face.is_coons && v < made.domain.rows(); ++v)
-      positions[at(vertices[static_cast<size_t>(v)])] = coons_point(sides, made.square.row(v));
+    if (face.is_coons) {
+      Points loop(made.n_boundary, 3);
+      for (int v = 0; v < made.n_boundary; ++v) loop.row(v) = targets[at(vertices[at(v)])].transpose();
+      const CoonsPatch coons(made.square.topRows(made.n_boundary), loop);
+      for (Index v = made.n_boundary; v < made.domain.rows(); ++v)
+        positions[at(vertices[static_cast<size_t>(v)])] = coons.at(made.square(v, 0), made.square(v, 1));
+    }
     face.domain = std::move(made.domain);
     face.domain_quads = std::move(made.quads);
   }
@@ -430,7 +466,7 @@ struct EditedSurface::Implementation {
     const Part around = part(surroundings, mesh);
     const auto n = around.vertices.size();
     // The same vertices seen from the region alone: those that are complete there may move.
-    std::vector<char> movable(n, 0), fresh(n, 0), at_rim(n, 0);
+    std::vector<char> movable(n, 0), fresh(n, 0), at_rim(n, 0), frozen(n, 0);
     for (size_t v = 0; v < n; ++v) local[at(around.vertices[v])] = static_cast<int>(v);
     for (const int f : region.list) {
       bool outermost = false;
@@ -441,6 +477,7 @@ struct EditedSurface::Implementation {
       for (const std::array<int, 4>& quad : faces[at(f)].quads)
         for (const int v : quad) {
           movable[at(local[at(v)])] = 1;
+          if (faces[at(f)].frozen) frozen[at(local[at(v)])] = 1;
           if (outermost) at_rim[at(local[at(v)])] = 1;
           if (faces[at(f)].stale && !faces[at(f)].is_coons) fresh[at(local[at(v)])] = 1;
         }
@@ -489,7 +526,17 @@ struct EditedSurface::Implementation {
       flow.without_row[v] = around.border[v] || !around.complete[v];
       if (around.soft[v]) fresh[v] = 0;
     }
-    if (start) detail::start_flow(flow, fresh);
+    if (start) {
+      detail::start_flow(flow, fresh);
+      for (size_t v = 0; v < n; ++v)
+        started[at(around.vertices[v])] = flow.positions.row(static_cast<Index>(v));
+    }
+    for (size_t v = 0; v < n; ++v) {
+      if (!frozen[v]) continue;
+      flow.fixed[v] = 1;
+      flow.positions.row(static_cast<Index>(v)) = started[at(around.vertices[v])].transpose();
+      positions[at(around.vertices[v])] = started[at(around.vertices[v])];
+    }
     const Points before = flow.positions;
     detail::CurvatureFlow rounds(flow, options);
     Points best = flow.positions;
@@ -517,8 +564,8 @@ struct EditedSurface::Implementation {
     return moved_rim / diameter;
   }
 
-  /// Refuses what has become unsound in the region: looks at it and at what its boxes meet.
-  void require_sound(const FaceSet& region, const PolylineMesh& mesh) {
+  /// The region and the faces whose boxes meet its own.
+  FaceSet near_to(const FaceSet& region) {
     Box all{Vector3d::Constant(std::numeric_limits<double>::infinity()),
             Vector3d::Constant(-std::numeric_limits<double>::infinity())};
     const Box nothing = all;
@@ -538,7 +585,43 @@ struct EditedSurface::Implementation {
                     });
       if (near.has[f]) near.list.push_back(static_cast<int>(f));
     }
-    const Part parts = part(near, mesh);
+    return near;
+  }
+
+  /// Freezes the faces of the region that fold or cross others, and puts it back to where the flow began.
+  /// @return false where there are none, or all of them are frozen already.
+  bool freeze_folded(const FaceSet& region, const PolylineMesh& mesh) {
+    const Part parts = part(near_to(region), mesh);
+    std::vector<int> folded;
+    if (!parts.mesh.positions.allFinite()) {
+      folded = region.list;
+    } else {
+      Triangles triangles(2 * parts.mesh.n_faces(), 3);
+      for (Index f = 0; f < parts.mesh.n_faces(); ++f) {
+        const int* c = &parts.mesh.corners[static_cast<size_t>(4 * f)];
+        const auto both = detail::cut_along_corners({c[0], c[1], c[2], c[3]});
+        for (size_t k = 0; k < 2; ++k)
+          triangles.row(2 * f + static_cast<Index>(k)) << both[k][0], both[k][1], both[k][2];
+      }
+      for (const auto& [one, other] : self_intersections(parts.mesh.positions, triangles))
+        for (const int triangle : {one, other}) folded.push_back(parts.face_of_quad[at(triangle / 2)]);
+    }
+    bool any = false;
+    for (const int f : folded) {
+      if (!region.has[at(f)] || faces[at(f)].frozen) continue;
+      any = faces[at(f)].frozen = true;
+    }
+    if (!any) return false;
+    for (const int f : region.list)
+      if (faces[at(f)].stale)
+        for (const std::array<int, 4>& quad : faces[at(f)].quads)
+          for (const int v : quad) positions[at(v)] = started[at(v)];
+    return true;
+  }
+
+  /// Refuses what is unsound in the region.
+  void require_sound(const FaceSet& region, const PolylineMesh& mesh) {
+    const Part parts = part(near_to(region), mesh);
     Points start(static_cast<Index>(parts.vertices.size()), 3);
     for (size_t v = 0; v < parts.vertices.size(); ++v)
       start.row(static_cast<Index>(v)) = targets[at(parts.vertices[v])].transpose();
@@ -601,8 +684,10 @@ SurfaceUpdate EditedSurface::update(const PolylineMesh& mesh, const Progress& pr
       own.close_fans(surroundings, mesh);
       const double rim = own.flow(region, surroundings, start, mesh, progress);
       for (const int f : region.list) own.faces[at(f)].stale = true;
-      if (whole || !(rim > own.options.tolerance)) break;
-      own.grow(region, mesh);
+      if (!whole && rim > own.options.tolerance)
+        own.grow(region, mesh);
+      else if (!own.freeze_folded(region, mesh))
+        break;
     }
   }
   {
@@ -620,6 +705,8 @@ SurfaceUpdate EditedSurface::update(const PolylineMesh& mesh, const Progress& pr
     own.last.quads += static_cast<Index>(own.faces[at(f)].quads.size());
   }
   own.last.faces = region.list;
+  for (size_t f = 0; f < own.faces.size(); ++f)
+    if (own.faces[f].frozen) own.last.not_smoothed.push_back(static_cast<int>(f));
   return own.last;
 }
 
@@ -665,6 +752,7 @@ DiffusionSurface EditedSurface::surface(const PolylineMesh& mesh) const {
   for (size_t v = 0; v < order.size(); ++v)
     surface.cage.mesh.positions.row(static_cast<Index>(v)) = own.cage[at(order[v])].transpose();
   surface.last_move = own.last.last_move;
+  surface.not_smoothed = own.last.not_smoothed;
   surface.times = own.last.times;
   return surface;
 }

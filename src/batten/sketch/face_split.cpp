@@ -307,6 +307,46 @@ class Splitter {
   std::vector<std::array<int, 4>> quads_;
 };
 
+/// The boundary of a face with four corners on that of the unit square, by arc length between the corners;
+/// sides that go on smoothly count as one. Empty for other faces.
+PlanePoints unit_square(const std::vector<Points>& sides) {
+  constexpr double kCornerFrom = kPi / 4;  // hands and holes do not make smooth joints quite straight
+  const size_t n = sides.size();
+  std::vector<std::pair<double, size_t>> turns;
+  for (size_t k = 0; k < n; ++k) {
+    const Points &last = sides[(k + n - 1) % n], &next = sides[k];
+    const Vector3d in = last.row(last.rows() - 1) - last.row(last.rows() - 2), out = next.row(1) - next.row(0);
+    turns.emplace_back(-std::atan2(in.cross(out).norm(), in.dot(out)), k);
+  }
+  if (n < 4) return {};
+  std::sort(turns.begin(), turns.end());
+  if (n > 4 && (-turns[4].first > kCornerFrom || -turns[3].first < kCornerFrom)) return {};
+  std::array<size_t, 4> corners{};
+  for (size_t k = 0; k < 4; ++k) corners[k] = turns[k].second;
+  std::sort(corners.begin(), corners.end());
+  const Index m = sides[0].rows() - 1;
+  PlanePoints square(static_cast<Index>(n) * m, 2);
+  const std::array<Vector2d, 5> at_corner{Vector2d(0, 0), Vector2d(1, 0), Vector2d(1, 1), Vector2d(0, 1),
+                                          Vector2d(0, 0)};
+  for (size_t c = 0; c < 4; ++c) {
+    const size_t count = (corners[(c + 1) % 4] + n - corners[c]) % n;
+    double length = 0, arc = 0;
+    for (size_t i = 0; i < count; ++i) {
+      const Points& side = sides[(corners[c] + i) % n];
+      for (Index j = 0; j < m; ++j) length += (side.row(j + 1) - side.row(j)).norm();
+    }
+    for (size_t i = 0; i < count; ++i) {
+      const size_t k = (corners[c] + i) % n;
+      for (Index j = 0; j < m; ++j) {
+        const double t = arc / length;
+        square.row(static_cast<Index>(k) * m + j) = (1 - t) * at_corner[c] + t * at_corner[c + 1];
+        arc += (sides[k].row(j + 1) - sides[k].row(j)).norm();
+      }
+    }
+  }
+  return square;
+}
+
 FaceSplit lay_out(const std::vector<Points>& sides, int splits) {
   const int n_sides = static_cast<int>(sides.size()), m = 1 << splits;
   Points loop(n_sides * m, 3);
@@ -362,17 +402,12 @@ FaceSplit lay_out(const std::vector<Points>& sides, int splits) {
 
 FaceSplit split_face_into_quads(const std::vector<Points>& sides, int splits) {
   FaceSplit split = lay_out(sides, splits);
-  if (sides.size() != 4 || split.n_pieces != 1) return split;
-  const int m = 1 << splits;
-  PlanePoints square(4 * m, 2);
-  for (int i = 0; i < m; ++i) {
-    const double t = static_cast<double>(i) / m;
-    square.row(i) << t, 0;
-    square.row(m + i) << 1, t;
-    square.row(2 * m + i) << 1 - t, 1;
-    square.row(3 * m + i) << 0, 1 - t;
-  }
-  split.square = Splitter(4, splits, square).run(false).domain;
+  if (split.n_pieces != 1) return split;
+  const PlanePoints square = unit_square(sides);
+  if (square.rows() == 0) return split;
+  Splitter splitter(static_cast<int>(sides.size()), splits, square);
+  split.square = splitter.run(false).domain;
+  if (!splitter.is_valid()) split.square.resize(0, 2);
   return split;
 }
 

@@ -22,8 +22,8 @@ struct FaceSplit {
   /// third the one nearest to its centroid.
   std::vector<std::array<int, 4>> quads;
   int n_pieces = 0;
-  /// Of an undivided face of four sides: the domain once more, as the unit square with the first side along
-  /// its first axis; else 0 × 2.
+  /// Of an undivided face of four corners (sides that go on smoothly count as one): another domain, the unit
+  /// square; else 0 × 2.
   PlanePoints square;
   /// The domain is the face's best plane; false: a convex polygon with sides of the same lengths, or a disc,
   /// because the face overlaps itself in its plane or turns away from it.

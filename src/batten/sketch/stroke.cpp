@@ -274,6 +274,36 @@ Spline fitted_spline(const std::vector<Sample>& samples, const std::vector<Sampl
   return best;
 }
 
+/// Bends the samples so that they run through what is held, over twelve times the distance on both sides or
+/// as far as to the next held point. Left where they are, they would ask for spans until the spline follows
+/// every tremor and swings between them.
+void bend_to_holds(std::vector<Sample>& samples, const std::vector<Sample>& holds, double length,
+                   bool periodic) {
+  constexpr double kReach = 12;
+  if (samples.size() < 2) return;
+  const auto gap = [&](double s, double t) {
+    const double apart = std::abs(s - t);
+    return periodic ? std::min(apart, 1 - apart) : apart;
+  };
+  const std::vector<Sample> drawn = samples;
+  for (size_t h = 0; h < holds.size(); ++h) {
+    // Where the stroke is at the held place: on the segment between the samples beside it.
+    const auto after = std::lower_bound(drawn.begin(), drawn.end(), holds[h].t,
+                                        [](const Sample& sample, double t) { return sample.t < t; });
+    if (after == drawn.begin() || after == drawn.end()) continue;  // an end, which is held where it is
+    const Sample &b = *after, &a = *(after - 1);
+    const double u = b.t > a.t ? (holds[h].t - a.t) / (b.t - a.t) : 0;
+    const Vector3d offset = holds[h].point - ((1 - u) * a.point + u * b.point);
+    double reach = kReach * offset.norm() / length;
+    for (size_t k = 0; k < holds.size(); ++k)
+      if (k != h) reach = std::min(reach, gap(holds[k].t, holds[h].t));
+    for (size_t i = 0; i < samples.size(); ++i) {
+      const double x = reach > 0 ? gap(drawn[i].t, holds[h].t) / reach : 1;
+      if (x < 1) samples[i].point += (1 - x) * (1 - x) * (1 + 2 * x) * offset;
+    }
+  }
+}
+
 Points sampled(const Spline& spline, double t0, double t1, int n) {
   Points points(n + 1, 3);
   for (int i = 0; i <= n; ++i) {
@@ -423,6 +453,7 @@ FittedStroke fit_stroke(const Stroke& stroke, const std::vector<HeldPoint>& held
                                                                     : arcs[static_cast<size_t>(i)];
       samples.push_back({s / span, (after - before) / (2 * span), stroke.points.row(i)});
     }
+    bend_to_holds(samples, holds, span, periodic);
     const Spline spline = fitted_spline(samples, holds, periodic, tolerance);
     for (size_t k = begin; k < end; ++k) {
       const double t0 = (distance_of(stops[k]) - start) / span,
