@@ -1,5 +1,5 @@
 // A tool call on models of growing size (its cost should follow the edit, not the model), undo of it, and the
-// surface of a model from nothing.
+// surface after an edit beside the surface from nothing.
 #include "sketch/strokes.hpp"
 
 #include <map>
@@ -15,30 +15,36 @@ namespace {
 using namespace strokes;
 using Eigen::Vector3d;
 
-/// A square sheet with n curves, half along x and half along y.
-const Document& sheet_of(int n_curves) {
-  static std::map<int, Document> sheets;
-  const auto found = sheets.find(n_curves);
-  if (found != sheets.end()) return found->second;
-  Document document;
-  document.apply(InsertEdit{{polygon({kO, kX, kX + kY, kY, kO}), true}, {}});
-  const int half = n_curves / 2;
-  for (int k = 1; k <= half; ++k) {
-    const double t = static_cast<double>(k) / (half + 1);
-    document.apply(InsertEdit{{polygon({t * kY, kX + t * kY}), false}, {.snap = 1e-4}});
-    document.apply(InsertEdit{{polygon({t * kX, kY + t * kX}), false}, {.snap = 1e-4}});
-  }
-  return sheets[n_curves] = std::move(document);
+/// A polygon laid on gentle waves.
+Points on_waves(std::initializer_list<Vector3d> corners) {
+  Points points = polygon(corners, 200);
+  for (Eigen::Index i = 0; i < points.rows(); ++i)
+    points(i, 2) = 0.1 * std::sin(2.5 * points(i, 0)) * std::cos(2 * points(i, 1));
+  return points;
 }
 
-/// A curve over three faces in the middle of the sheet, and its undo.
+/// A gently waved sheet of n × n faces.
+const Document& waves_of(int n) {
+  static std::map<int, Document> sheets;
+  const auto found = sheets.find(n);
+  if (found != sheets.end()) return found->second;
+  Document document;
+  document.apply(InsertEdit{{on_waves({kO, kX, kX + kY, kY, kO}), true}, {.snap = 1e-3}});
+  for (int k = 1; k < n; ++k) {
+    const double t = static_cast<double>(k) / n;
+    document.apply(InsertEdit{{on_waves({t * kY, kX + t * kY}), false}, {.snap = 1e-3}});
+    document.apply(InsertEdit{{on_waves({t * kX, kY + t * kX}), false}, {.snap = 1e-3}});
+  }
+  return sheets[n] = std::move(document);
+}
+
+/// A curve over three faces in the middle of a sheet of so many curves, and its undo.
 void BM_InsertAndUndo(benchmark::State& state) {
-  Document document = sheet_of(static_cast<int>(state.range(0)));
-  const double cell = 1.0 / (static_cast<double>(state.range(0)) / 2 + 1);
-  const int row = static_cast<int>(0.5 / cell);
-  const double y = (row + 0.4) * cell, x0 = row * cell;
+  const int n = static_cast<int>(state.range(0)) / 2 + 1;
+  Document document = waves_of(n);
+  const double x = static_cast<double>(n / 2) / n, y = (n / 2 + 0.4) / n;
   const Edit edit =
-      InsertEdit{{polygon({Vector3d(x0, y, 0), Vector3d(x0 + 3 * cell, y, 0)}), false}, {.snap = 1e-4}};
+      InsertEdit{{on_waves({Vector3d(x, y, 0), Vector3d(x + 3.0 / n, y, 0)}), false}, {.snap = 1e-3}};
   for (auto _ : state) {
     document.apply(edit);
     document.apply(UndoEdit{});
@@ -46,19 +52,52 @@ void BM_InsertAndUndo(benchmark::State& state) {
   state.counters["edges"] = document.mesh().counts().edges;
 }
 
-void BM_WholeSurface(benchmark::State& state) {
-  Document document;
-  document.apply(InsertEdit{circle(kO, kX, kY, 200), {}});
-  document.apply(InsertEdit{circle(kO, kX, kZ, 200), {}});
-  document.apply(InsertEdit{circle(kO, kY, kZ, 200), {}});
-  DiffusionSurface surface;
-  for (auto _ : state)
-    surface = diffusion_surface(document.mesh(), {.splits = static_cast<int>(state.range(0)), .rounds = 5});
-  state.counters["quads"] = static_cast<double>(surface.refined.mesh.n_faces());
+/// The surface after a curve over one face in the middle was inserted, then after it was taken back: two
+/// updates.
+void BM_SurfaceAfterEdit(benchmark::State& state) {
+  const int n = static_cast<int>(state.range(0));
+  Document document = waves_of(n);
+  EditedSurface surface;
+  surface.update(document.mesh());
+  const double y = (n / 2 + 0.5) / n, x = static_cast<double>(n / 2) / n;
+  const Edit edit =
+      InsertEdit{{on_waves({Vector3d(x, y, 0), Vector3d(x + 1.0 / n, y, 0)}), false}, {.snap = 1e-3}};
+  SurfaceUpdate update;
+  for (auto _ : state) {
+    state.PauseTiming();
+    document.apply(edit);
+    state.ResumeTiming();
+    update = surface.update(document.mesh());
+    state.PauseTiming();
+    document.apply(UndoEdit{});
+    state.ResumeTiming();
+    surface.update(document.mesh());
+  }
+  state.counters["quads_made"] = static_cast<double>(update.quads);
+  state.counters["quads"] = static_cast<double>(surface.surface(document.mesh()).refined.mesh.n_faces());
 }
 
-BENCHMARK(BM_InsertAndUndo)->Arg(50)->Arg(150)->Arg(500)->Unit(benchmark::kMillisecond);
-BENCHMARK(BM_WholeSurface)->DenseRange(3, 6)->Unit(benchmark::kMillisecond);
+/// All of the same sheet.
+void BM_SurfaceFromNothing(benchmark::State& state) {
+  const Document& document = waves_of(static_cast<int>(state.range(0)));
+  DiffusionSurface surface;
+  for (auto _ : state) surface = diffusion_surface(document.mesh());
+  state.counters["quads"] = static_cast<double>(surface.refined.mesh.n_faces());
+  for (const auto& [stage, seconds] : surface.times.stages()) state.counters[stage + "_ms"] = 1e3 * seconds;
+}
+
+/// The copy of the whole that EditedSurface::surface() hands out.
+void BM_CopyOfSurface(benchmark::State& state) {
+  const Document& document = waves_of(static_cast<int>(state.range(0)));
+  EditedSurface surface;
+  surface.update(document.mesh());
+  for (auto _ : state) benchmark::DoNotOptimize(surface.surface(document.mesh()));
+}
+
+BENCHMARK(BM_InsertAndUndo)->Arg(50)->Arg(150)->Arg(300)->Unit(benchmark::kMillisecond);
+BENCHMARK(BM_SurfaceAfterEdit)->Arg(6)->Arg(12)->Arg(24)->Unit(benchmark::kMillisecond);
+BENCHMARK(BM_SurfaceFromNothing)->Arg(6)->Arg(12)->Arg(24)->Unit(benchmark::kMillisecond);
+BENCHMARK(BM_CopyOfSurface)->Arg(6)->Arg(12)->Arg(24)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace batten

@@ -1,8 +1,10 @@
 #include "batten/sketch/diffusion_surface.hpp"
 
-#include "strokes.hpp"
+#include "quadrics.hpp"
 
+#include <array>
 #include <cmath>
+#include <functional>
 #include <iostream>
 
 #include <gtest/gtest.h>
@@ -37,6 +39,55 @@ PolylineMesh cube() {
                 {{polygon({y, y + z, x + y + z, x + y}), false}, {}},
                 {{polygon({z, y + z}), false}, {.sharpness = 1}},
                 {{polygon({x + z, x + y + z}), false}, {.sharpness = 1}}});
+}
+
+/// Mean of a distance over points.
+template <typename Distance>
+double mean_distance(const Points& points, const Distance& distance) {
+  double sum = 0;
+  for (Eigen::Index v = 0; v < points.rows(); ++v)
+    sum += std::abs(distance(Vector3d(points.row(v).transpose())));
+  return sum / static_cast<double>(points.rows());
+}
+
+/// A square sheet of n × n cells with a gentle wave, drawn as lines from border to border.
+PolylineMesh wavy_sheet(int n) {
+  const auto height = [](double x, double y) { return 0.1 * std::sin(2.5 * x) * std::cos(2 * y); };
+  const auto line = [&](const Vector3d& from, const Vector3d& to) {
+    Points points = polygon({from, to}, 200);
+    for (Eigen::Index i = 0; i < points.rows(); ++i) points(i, 2) = height(points(i, 0), points(i, 1));
+    return points;
+  };
+  PolylineMesh mesh;
+  Points border(4 * 200, 3);
+  const std::array<Vector3d, 5> corners{kO, kX, kX + kY, kY, kO};
+  for (size_t k = 0; k < 4; ++k)
+    border.middleRows(static_cast<Eigen::Index>(200 * k), 200) =
+        line(corners[k], corners[k + 1]).topRows(200);
+  const auto insert = [&](const DrawnStroke& stroke) {
+    edit(mesh, [&](PolylineMesh& m) { return insert_curve(m, stroke, {.snap = 1e-3}); });
+  };
+  insert({border, true});
+  for (int k = 1; k < n; ++k) {
+    const double t = static_cast<double>(k) / n;
+    insert({line(t * kY, kX + t * kY), false});
+    insert({line(t * kX, kY + t * kX), false});
+  }
+  return mesh;
+}
+
+/// A stroke on wavy_sheet(n) that divides so many cells in its middle.
+DrawnStroke stroke_over(int n, int cells) {
+  // Between the middles of two uprights of a row of cells, so that it starts and ends on the network.
+  const int row = n / 2, column = n / 2;
+  const double y = (row + 0.5) / n, x0 = static_cast<double>(column) / n,
+               x1 = x0 + static_cast<double>(cells) / n;
+  Points points = polygon({Vector3d(x0, y, 0), Vector3d(x1, y, 0)}, 60);
+  for (Eigen::Index i = 0; i < points.rows(); ++i) {
+    const double x = points(i, 0);
+    points(i, 2) = 0.1 * std::sin(2.5 * x) * std::cos(2 * y);
+  }
+  return {points, false};
 }
 
 double largest_radius_error(const Points& points) {
@@ -140,6 +191,129 @@ TEST(DiffusionSurface, FinishedSphereIsWithinThreePerMille) {
   EXPECT_LT(mean, 3e-3);
 }
 
+TEST(DiffusionSurface, QuadricAndTorusNetworksAreWithinOnePercent) {
+  // Bound of the issue for the mean: 1 % of the size. Distances from the exact surfaces; for the ellipsoid to
+  // first order.
+  struct Case {
+    const char* name;
+    PolylineMesh mesh;
+    std::function<double(const Vector3d&)> distance;
+    double size;
+  };
+  const std::vector<Case> cases{
+      {"cylinder", cylinder(), [](const Vector3d& p) { return std::hypot(p.x(), p.y()) - 1; },
+       std::sqrt(17.0)},
+      {"torus", torus(),
+       [](const Vector3d& p) { return std::hypot(std::hypot(p.x(), p.y()) - 2, p.z()) - 1; },
+       std::sqrt(76.0)},
+      {"ellipsoid", ellipsoid(2, 1.5, 1),
+       [](const Vector3d& p) {
+         const Vector3d q(p.x() / 4, p.y() / 2.25, p.z());
+         return (q.dot(p) - 1) / (2 * q.norm());
+       },
+       2 * std::sqrt(7.25)}};
+  for (const Case& c : cases) {
+    const DiffusionSurface surface = diffusion_surface(c.mesh);
+    const SubdividedSurface fine = subdivide(surface.cage, {.levels = 1, .limit = true});
+    const double v2 = mean_distance(fine.limit_positions, c.distance) / c.size;
+    const DiffusionSurface twice = diffusion_surface(c.mesh, {.splits = 4});
+    const SurfaceResult filled = surface_network(network_of_model(c.mesh, twice));
+    const double curvature = mean_distance(filled.mesh.positions, c.distance) / c.size;
+    std::cout << c.name << ": mean error of V2 " << v2 << ", of the curvature method " << curvature << '\n';
+    EXPECT_TRUE(surface.not_smoothed.empty()) << c.name;
+    EXPECT_LT(v2, 1e-2) << c.name;
+    EXPECT_LT(curvature, 3e-3) << c.name;
+  }
+}
+
+TEST(DiffusionSurface, CrossIsFlatWithinItsSharpEdgesAndKeepsItsBays) {
+  // A plus as a flat face with concave corners: it is its own surface, whatever its outline.
+  const PolylineMesh mesh =
+      model({{{polygon({Vector3d(1, -1, 0), Vector3d(3, -1, 0), Vector3d(3, 1, 0), Vector3d(1, 1, 0),
+                        Vector3d(1, 3, 0), Vector3d(-1, 3, 0), Vector3d(-1, 1, 0), Vector3d(-3, 1, 0),
+                        Vector3d(-3, -1, 0), Vector3d(-1, -1, 0), Vector3d(-1, -3, 0), Vector3d(1, -3, 0),
+                        Vector3d(1, -1, 0)}),
+               true},
+              {}}});
+  const DiffusionSurface surface = diffusion_surface(mesh);
+  const Points& X = surface.refined.mesh.positions;
+  EXPECT_LT(X.col(2).cwiseAbs().maxCoeff(), 1e-6);
+  for (Eigen::Index v = 0; v < X.rows(); ++v)
+    EXPECT_LT(std::min(std::abs(X(v, 0)), std::abs(X(v, 1))), 1 + 1e-3) << v;
+}
+
+/// Vertices of both surfaces of one model are numbered alike; their largest distance, ÷ the diameter.
+double difference(const DiffusionSurface& one, const DiffusionSurface& other, const PolylineMesh& mesh) {
+  EXPECT_EQ(one.refined.mesh.corners, other.refined.mesh.corners);
+  EXPECT_EQ(one.cage.mesh.positions.rows(), other.cage.mesh.positions.rows());
+  if (one.refined.mesh.positions.rows() != other.refined.mesh.positions.rows()) return 1;
+  return std::max((one.refined.mesh.positions - other.refined.mesh.positions).rowwise().norm().maxCoeff(),
+                  (one.cage.mesh.positions - other.cage.mesh.positions).rowwise().norm().maxCoeff()) /
+         mesh.diameter();
+}
+
+TEST(EditedSurface, FollowsEditsToTheSurfaceMadeFromNothing) {
+  // Stated tolerance: five times that of the flow (1e-4 of the diameter each at the rim and at rest).
+  constexpr int kCells = 6;
+  PolylineMesh mesh = wavy_sheet(kCells);
+  EditedSurface surface;
+  const SurfaceUpdate whole = surface.update(mesh);
+  EXPECT_EQ(whole.faces.size(), 36u);
+  EXPECT_EQ(surface.update(mesh).faces.size(), 0u);
+  const PolylineMesh before = mesh;
+  const auto check = [&](const char* what) {
+    const SurfaceUpdate update = surface.update(mesh);
+    EXPECT_GT(update.faces.size(), 0u) << what;
+    EXPECT_LT(update.faces.size(), 36u) << what;
+    const double found = difference(surface.surface(mesh), diffusion_surface(mesh), mesh);
+    std::cout << what << ": " << update.faces.size() << " faces made anew, difference " << found << '\n';
+    EXPECT_LT(found, 5e-4) << what;
+  };
+  const EditReport inserted =
+      edit(mesh, [&](PolylineMesh& m) { return insert_curve(m, stroke_over(kCells, 1), {.snap = 1e-3}); });
+  check("insert");
+  edit(mesh, [&](PolylineMesh& m) { return set_curve_sharpness(m, inserted.curves[0], 1); });
+  check("sharpness");
+  edit(mesh, [&](PolylineMesh& m) { return delete_curve(m, inserted.curves[0]); });
+  check("delete");
+  // An undo of everything is an edit like any other.
+  mesh = before;
+  surface.update(mesh);
+  EXPECT_LT(difference(surface.surface(mesh), diffusion_surface(mesh), mesh), 5e-4);
+}
+
+TEST(EditedSurface, WorkFollowsTheEditNotTheModel) {
+  // The same edit on a sheet with four times the faces touches as many.
+  std::vector<size_t> made;
+  for (const int cells : {6, 12}) {
+    PolylineMesh mesh = wavy_sheet(cells);
+    EditedSurface surface({.splits = 2});
+    surface.update(mesh);
+    edit(mesh, [&](PolylineMesh& m) { return insert_curve(m, stroke_over(cells, 1), {.snap = 1e-3}); });
+    made.push_back(surface.update(mesh).faces.size());
+  }
+  EXPECT_LE(made[1], made[0] + 2);
+}
+
+TEST(EditedSurface, GoesOnAfterACancelledUpdate) {
+  PolylineMesh mesh = wavy_sheet(4);
+  EditedSurface surface;
+  surface.update(mesh);
+  edit(mesh, [&](PolylineMesh& m) { return insert_curve(m, stroke_over(4, 1), {.snap = 1e-3}); });
+  EXPECT_THROW(surface.update(mesh, Progress([](std::string_view, double) { return false; })), Cancelled);
+  EXPECT_GT(surface.update(mesh).faces.size(), 0u);
+  EXPECT_LT(difference(surface.surface(mesh), diffusion_surface(mesh), mesh), 5e-4);
+}
+
+TEST(NetworkOfModel, NormalsAreFiniteWhereTheSheetTurnsBack) {
+  // A disc closed by a second face upon it: at its rim the normals of both sides cancel.
+  const PolylineMesh mesh =
+      model({{circle(kO, kX, kY), {}}, {{arc(kO, kX, 0.02 * kZ, 0, kPi), false}, {.into = Into::Opening}}});
+  const CurveNetwork network = network_of_model(mesh, diffusion_surface(mesh, {.splits = 2, .rounds = 0}));
+  EXPECT_TRUE(network.normals.allFinite());
+  EXPECT_LT((network.normals.rowwise().norm().array() - 1).abs().maxCoeff(), 1e-9);
+}
+
 TEST(NetworkOfModel, IsFilledIntoTheSameSphere) {
   // Curvature surfacing with estimated normals; bound of the issue: 0.3 % in the mean.
   const PolylineMesh mesh = three_great_circles();
@@ -157,6 +331,7 @@ TEST(NetworkOfModel, IsFilledIntoTheSameSphere) {
 TEST(DiffusionSurface, BadOptionsAndEmptyModelsAreNamed) {
   EXPECT_THROW(diffusion_surface(PolylineMesh()), InvalidInput);
   EXPECT_THROW(diffusion_surface(three_great_circles(), {.splits = 0}), InvalidInput);
+  EXPECT_THROW(diffusion_surface(three_great_circles(), {.tolerance = 0}), InvalidInput);
   EXPECT_THROW(diffusion_surface(three_great_circles(), {.time_step = 0}), InvalidInput);
   EXPECT_THROW(
       diffusion_surface(three_great_circles(), {}, Progress([](std::string_view, double) { return false; })),

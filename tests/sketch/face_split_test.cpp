@@ -1,5 +1,3 @@
-#include "batten/sketch/face_split_detail.hpp"
-
 #include <cmath>
 
 #include <Eigen/Geometry>
@@ -7,6 +5,7 @@
 
 #include "batten/core/random.hpp"
 #include "batten/core/units.hpp"
+#include "batten/sketch/face_split_detail.hpp"
 
 namespace batten::detail {
 namespace {

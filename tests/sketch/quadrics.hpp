@@ -42,7 +42,9 @@ inline PolylineMesh torus() {
     return DrawnStroke{arc(kO, radius * kX, radius * kY, from, to, 200), false};
   };
   const double last = 2 * kPi * (kProfiles - 1) / kProfiles;
-  edit(mesh, [&](PolylineMesh& m) { return skin_profiles(m, profiles, {along(3, 0, last), along(1, 0, last)}); });
+  edit(mesh, [&](PolylineMesh& m) {
+    return skin_profiles(m, profiles, {along(3, 0, last), along(1, 0, last)});
+  });
   edit(mesh, [&](PolylineMesh& m) {
     return glue_borders(m, along(3, last, 2 * kPi), along(1, last, 2 * kPi), std::nullopt);
   });

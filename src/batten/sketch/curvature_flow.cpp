@@ -1,7 +1,5 @@
 // Based on H 6.4: STEP 1 and STEP 2 of 6.4.1, with the scalar form of (6.3) and the signs of
 // docs/departures.md.
-#include "batten/sketch/curvature_flow_detail.hpp"
-
 #include <algorithm>
 #include <cmath>
 
@@ -10,6 +8,7 @@
 #include "batten/core/error.hpp"
 #include "batten/mesh/normals.hpp"
 #include "batten/operators/laplacian.hpp"
+#include "batten/sketch/curvature_flow_detail.hpp"
 
 namespace batten::detail {
 
@@ -67,7 +66,8 @@ void start_flow(FlowMesh& mesh, const std::vector<char>& fresh) {
   plate.factorize(A);
   const Eigen::MatrixXd solved = plate.solve(b);
   for (Index v = 0; v < n; ++v)
-    if (index[static_cast<size_t>(v)] >= 0) mesh.positions.row(v) += solved.row(index[static_cast<size_t>(v)]);
+    if (index[static_cast<size_t>(v)] >= 0)
+      mesh.positions.row(v) += solved.row(index[static_cast<size_t>(v)]);
 }
 
 CurvatureFlow::CurvatureFlow(FlowMesh& mesh, const DiffusionOptions& options)
@@ -205,9 +205,9 @@ void CurvatureFlow::diffuse(const SparseMatrix& K, const Eigen::VectorXd& M, Eig
       if (i >= j) continue;
       // Obtuse triangles have edges of the other sign: curvature would flow uphill there, and the matrix
       // need not be positive.
-      double weight = (tau(i) + tau(j)) / 2 * std::min(0.0, entry.value()) *
-                      similarity(mesh_.sharpness[static_cast<size_t>(i)],
-                                 mesh_.sharpness[static_cast<size_t>(j)]);
+      double weight =
+          (tau(i) + tau(j)) / 2 * std::min(0.0, entry.value()) *
+          similarity(mesh_.sharpness[static_cast<size_t>(i)], mesh_.sharpness[static_cast<size_t>(j)]);
       // Where curvature is not known, none flows.
       if (mesh_.without_row[static_cast<size_t>(i)] || mesh_.without_row[static_cast<size_t>(j)]) weight = 0;
       entries.emplace_back(j, i, weight);

@@ -16,9 +16,10 @@ struct FlowMesh {
   /// Sides of the triangles in the domains of their faces, where quads have a shape even if they have none
   /// in space.
   EdgeLengths domain;
-  std::vector<char> fixed;        ///< per vertex: never moves
-  std::vector<char> soft;         ///< per vertex: held softly at `targets` (option fidelity)
-  std::vector<char> without_row;  ///< per vertex: its mean curvature is not known (borders, the rim of a part)
+  std::vector<char> fixed;  ///< per vertex: never moves
+  std::vector<char> soft;   ///< per vertex: held softly at `targets` (option fidelity)
+  std::vector<char>
+      without_row;  ///< per vertex: its mean curvature is not known (borders, the rim of a part)
   std::vector<double> sharpness;  ///< per vertex: S of (6.5), 0 where smooth
   std::vector<int> patch;         ///< per triangle: the face of the model, 0 … n_patches − 1
   int n_patches = 0;

@@ -140,7 +140,8 @@ Points course_of_tie(const PolylineMesh& mesh, const SketchEdge& edge, int n) {
   std::array<Vector3d, 2> tangents;
   for (size_t k = 0; k < 2; ++k) {
     const Vector3d normal = normal_at(mesh, edge.vertices[k]), in_plane = chord - chord.dot(normal) * normal;
-    tangents[k] = in_plane.norm() > 0.2 * chord.norm() ? (chord.norm() * in_plane.normalized()).eval() : chord;
+    tangents[k] =
+        in_plane.norm() > 0.2 * chord.norm() ? (chord.norm() * in_plane.normalized()).eval() : chord;
   }
   for (int i = 1; i < n; ++i) {
     const double t = static_cast<double>(i) / n, s = 1 - t;
@@ -288,8 +289,8 @@ struct EditedSurface::Implementation {
     }
     face.quads.reserve(made.quads.size());
     for (const std::array<int, 4>& quad : made.quads)
-      face.quads.push_back({vertices[at(quad[0])], vertices[at(quad[1])], vertices[at(quad[2])],
-                            vertices[at(quad[3])]});
+      face.quads.push_back(
+          {vertices[at(quad[0])], vertices[at(quad[1])], vertices[at(quad[2])], vertices[at(quad[3])]});
     face.is_coons = made.square.rows() > 0;
     if (face.is_coons) {
       Points loop(made.n_boundary, 3);
@@ -510,7 +511,8 @@ struct EditedSurface::Implementation {
           for (size_t i = 0; i < 3; ++i) {
             flow.triangles(t, static_cast<Index>(i)) = in_space[k][i];
             flow.domain(t, static_cast<Index>(i)) =
-                (face.domain.row(in_plane[k][(i + 1) % 3]) - face.domain.row(in_plane[k][(i + 2) % 3])).norm();
+                (face.domain.row(in_plane[k][(i + 1) % 3]) - face.domain.row(in_plane[k][(i + 2) % 3]))
+                    .norm();
           }
         }
       }
@@ -580,9 +582,8 @@ struct EditedSurface::Implementation {
     near.has.assign(faces.size(), 0);
     for (size_t f = 0; f < faces.size(); ++f) {
       if (!faces[f].alive || (!region.has[f] && !all.meets(faces[f].box))) continue;
-      near.has[f] = region.has[f] || std::any_of(region.list.begin(), region.list.end(), [&](int g) {
-                      return faces[at(g)].box.meets(faces[f].box);
-                    });
+      near.has[f] = region.has[f] || std::any_of(region.list.begin(), region.list.end(),
+                                                 [&](int g) { return faces[at(g)].box.meets(faces[f].box); });
       if (near.has[f]) near.list.push_back(static_cast<int>(f));
     }
     return near;

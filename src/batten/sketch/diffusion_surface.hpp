@@ -47,7 +47,7 @@ struct DiffusionSurface {
   std::vector<int> face_of_quad;  ///< face of the model
   /// Per edge of the model (empty for removed ones): its 2^splits + 1 vertices.
   std::vector<std::vector<int>> vertices_of_edge;
-  double last_move = 0;  ///< largest move of a vertex in the last round, ÷ diameter
+  double last_move = 0;           ///< largest move of a vertex in the last round, ÷ diameter
   std::vector<int> not_smoothed;  ///< see SurfaceUpdate
   StageTimes times;
 };
@@ -56,11 +56,11 @@ struct DiffusionSurface {
 struct SurfaceUpdate {
   std::vector<int> faces;  ///< faces of the model whose part of the surface is new, ascending
   Eigen::Index quads = 0;  ///< of these faces
-  /// Faces of the model (ascending, of all) that the flow would fold: they keep the shape from which it starts,
-  /// and meet their neighbours in a crease.
+  /// Faces of the model (ascending, of all) that the flow would fold: they keep the shape from which it
+  /// starts, and meet their neighbours in a crease.
   std::vector<int> not_smoothed;
-  int rounds = 0;  ///< of the flow
-  double last_move = 0;    ///< largest move of a vertex in the last round, ÷ diameter
+  int rounds = 0;        ///< of the flow
+  double last_move = 0;  ///< largest move of a vertex in the last round, ÷ diameter
   StageTimes times;
 };
 

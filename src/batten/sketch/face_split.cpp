@@ -45,7 +45,8 @@ bool is_simple(const PlanePoints& polygon) {
         continue;
       const bool next = j == i + 1, last = i == 0 && j == n - 1;
       if (next || last) {  // neighbours may only not turn back
-        const Vector2d shared = next ? p(j) : p(i), one = next ? p(i) : p(i + 1), two = next ? p(j + 1) : p(j);
+        const Vector2d shared = next ? p(j) : p(i), one = next ? p(i) : p(i + 1),
+                       two = next ? p(j + 1) : p(j);
         if (orient2d(one, shared, two) == 0 && (one - shared).dot(two - shared) >= 0) return false;
         continue;
       }
@@ -59,8 +60,7 @@ bool is_simple(const PlanePoints& polygon) {
 
 double area_of(const PlanePoints& polygon) {
   double twice = 0;
-  for (Index i = 0, n = polygon.rows(); i < n; ++i)
-    twice += cross(polygon.row(i), polygon.row((i + 1) % n));
+  for (Index i = 0, n = polygon.rows(); i < n; ++i) twice += cross(polygon.row(i), polygon.row((i + 1) % n));
   return twice / 2;
 }
 
@@ -75,9 +75,7 @@ PlanePoints cyclic_polygon(const Points& loop, int n_sides) {
   const double longest = lengths.maxCoeff();
   if (n_sides < 3 || longest > 0.45 * arcs(n)) return {};
   // The sides subtend 2 asin(length / diameter); together a whole turn, if the centre lies inside.
-  const auto turn = [&](double diameter) {
-    return 2 * (lengths.array() / diameter).min(1.0).asin().sum();
-  };
+  const auto turn = [&](double diameter) { return 2 * (lengths.array() / diameter).min(1.0).asin().sum(); };
   double low = longest, high = arcs(n);
   if (turn(low) < 2 * kPi) return {};
   for (int k = 0; k < 100; ++k) {
@@ -163,9 +161,15 @@ class Splitter {
       for (size_t i = 0; i + 1 < chain.size(); ++i) {
         const int v = chain[i], w = chain[i + 1];
         if (v == piece[a][0] || v == piece[b][0] || w == piece[a][0] || w == piece[b][0]) continue;
-        if (orient2d(from, to, p(v)) * orient2d(from, to, p(w)) <= 0 &&
-            orient2d(p(v), p(w), from) * orient2d(p(v), p(w), to) <= 0)
+        // On the line itself lie sides that end where it begins: they only meet it if they overlap it.
+        const int side_v = orient2d(from, to, p(v)), side_w = orient2d(from, to, p(w));
+        if (side_v == 0 && side_w == 0) {
+          const auto along = [&](int i) { return (p(i) - from).dot(to - from); };
+          if (std::max(along(v), along(w)) > 0 && std::min(along(v), along(w)) < (to - from).squaredNorm())
+            return false;
+        } else if (side_v * side_w <= 0 && orient2d(p(v), p(w), from) * orient2d(p(v), p(w), to) <= 0) {
           return false;
+        }
       }
     return true;
   }
@@ -176,7 +180,7 @@ class Splitter {
     double worst = kReflexFrom;
     size_t reflex = n;
     for (size_t k = 0; divide && n > 3 && k < n; ++k)
-      if (const double angle = angle_at(piece, k); angle > worst + 1e-9) worst = angle, reflex = k;
+      if (const double angle = angle_at(piece, k); angle > worst + 1e-6) worst = angle, reflex = k;
     size_t to = n;
     double best = std::numeric_limits<double>::infinity();
     for (size_t k = 0; reflex < n && k < n; ++k) {
@@ -186,14 +190,14 @@ class Splitter {
       const Vector2d line = p(piece[k][0]) - p(piece[reflex][0]);
       const double first = angle_between(p(piece[reflex][1]) - p(piece[reflex][0]), line),
                    rest = worst - first;
-      const double other = angle_at(piece, k),
-                   before = angle_between(p(piece[k][1]) - p(piece[k][0]), -line), after = other - before;
+      const double other = angle_at(piece, k), before = angle_between(p(piece[k][1]) - p(piece[k][0]), -line),
+                   after = other - before;
       const auto excess = [](double angle) { return std::max(0.0, angle - 1.02 * kPi); };
       const auto lack = [](double angle) { return std::max(0.0, kPi / 4 - angle); };
       double concave = 0;
       for (const double angle : {first, rest, before, after}) concave += excess(angle) + 0.5 * lack(angle);
       const double cost = line.norm() * (1 + 4 * concave);
-      if (cost < best * (1 - 1e-9)) best = cost, to = k;
+      if (cost < best * (1 - 1e-6)) best = cost, to = k;
     }
     if (to == n) {
       fill_piece(piece);
@@ -315,7 +319,8 @@ PlanePoints unit_square(const std::vector<Points>& sides) {
   std::vector<std::pair<double, size_t>> turns;
   for (size_t k = 0; k < n; ++k) {
     const Points &last = sides[(k + n - 1) % n], &next = sides[k];
-    const Vector3d in = last.row(last.rows() - 1) - last.row(last.rows() - 2), out = next.row(1) - next.row(0);
+    const Vector3d in = last.row(last.rows() - 1) - last.row(last.rows() - 2),
+                   out = next.row(1) - next.row(0);
     turns.emplace_back(-std::atan2(in.cross(out).norm(), in.dot(out)), k);
   }
   if (n < 4) return {};

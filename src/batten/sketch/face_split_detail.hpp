@@ -37,8 +37,8 @@ FaceSplit split_face_into_quads(const std::vector<Points>& sides, int splits);
 
 /// Two triangles of a quad, cut along the diagonal from its first corner to its third: of the ways to cut,
 /// the one that brings great circles nearest to a sphere (largest error of the radius at 16 n quads below
-/// 0.5 %; 1.1 % with the other diagonal, 0.6 % with the mean of both), and the one that keeps quads at concave
-/// corners whole.
+/// 0.5 %; 1.1 % with the other diagonal, 0.6 % with the mean of both), and the one that keeps quads at
+/// concave corners whole.
 inline std::array<std::array<int, 3>, 2> cut_along_corners(const std::array<int, 4>& c) {
   return {{{c[0], c[1], c[2]}, {c[0], c[2], c[3]}}};
 }

@@ -12,9 +12,11 @@ namespace batten {
 namespace {
 
 /// Unit normals at the vertices of a quad mesh: means of the corner normals, weighted by their angles, so
-/// that quads of unequal size around a vertex do not pull.
+/// that quads of unequal size around a vertex do not pull. Where they cancel, as at the corner of a foot
+/// where the sheet turns back on itself, that of the widest corner.
 Points quad_normals(const PolygonMesh& mesh) {
-  Points normals = Points::Zero(mesh.positions.rows(), 3);
+  Points normals = Points::Zero(mesh.positions.rows(), 3), widest = normals;
+  Eigen::VectorXd angles = Eigen::VectorXd::Zero(normals.rows()), sums = angles;
   for (Eigen::Index f = 0; f < mesh.n_faces(); ++f) {
     const int* c = &mesh.corners[static_cast<size_t>(mesh.offsets[static_cast<size_t>(f)])];
     for (int k = 0; k < 4; ++k) {
@@ -22,10 +24,20 @@ Points quad_normals(const PolygonMesh& mesh) {
       const Eigen::Vector3d next = mesh.positions.row(c[(k + 1) % 4]).transpose() - here;
       const Eigen::Vector3d last = mesh.positions.row(c[(k + 3) % 4]).transpose() - here;
       const Eigen::Vector3d cross = next.cross(last);
-      normals.row(c[k]) += std::atan2(cross.norm(), next.dot(last)) * cross.stableNormalized().transpose();
+      const double angle = std::atan2(cross.norm(), next.dot(last));
+      normals.row(c[k]) += angle * cross.stableNormalized().transpose();
+      sums(c[k]) += angle;
+      if (cross.norm() > 0 && angle > angles(c[k])) {
+        angles(c[k]) = angle;
+        widest.row(c[k]) = cross.stableNormalized().transpose();
+      }
     }
   }
-  normals.rowwise().normalize();
+  for (Eigen::Index v = 0; v < normals.rows(); ++v)
+    if (const double length = normals.row(v).norm(); length > 0.05 * sums(v))
+      normals.row(v) /= length;
+    else
+      normals.row(v) = widest.row(v);
   return normals;
 }
 

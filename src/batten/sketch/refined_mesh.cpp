@@ -1,5 +1,3 @@
-#include "batten/sketch/refined_mesh_detail.hpp"
-
 #include <algorithm>
 #include <cmath>
 
@@ -11,6 +9,7 @@
 #include "batten/mesh/self_intersections.hpp"
 #include "batten/sketch/cage_fit_detail.hpp"
 #include "batten/sketch/face_split_detail.hpp"
+#include "batten/sketch/refined_mesh_detail.hpp"
 #include "batten/subdivision/limit_stencils.hpp"
 #include "batten/subdivision/subdivide.hpp"
 
