@@ -151,6 +151,14 @@ void make_surface(const SketchArguments& arguments, const Project& project, cons
   Json& figures = outcome.figures["surface"] = Json::object();
   figures["quads"] = surface.refined.mesh.n_faces();
   figures["last_move"] = surface.last_move;
+  figures["not_smoothed"] = ids('f', surface.not_smoothed);
+  if (!surface.not_smoothed.empty()) {
+    std::string names;
+    for (const int f : surface.not_smoothed) names += (names.empty() ? "" : ", ") + id('f', f);
+    outcome.warnings.push_back(concat("smoothing would fold ", names,
+                                      "; they keep their first shape and meet their neighbours in a crease; ",
+                                      "divide them by another curve for a smooth surface"));
+  }
   if (!arguments.surface.empty()) {
     TriangleMesh mesh;
     if (arguments.method == "curvature") {

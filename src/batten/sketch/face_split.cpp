@@ -164,7 +164,7 @@ class Splitter {
         // On the line itself lie sides that end where it begins: they only meet it if they overlap it.
         const int side_v = orient2d(from, to, p(v)), side_w = orient2d(from, to, p(w));
         if (side_v == 0 && side_w == 0) {
-          const auto along = [&](int i) { return (p(i) - from).dot(to - from); };
+          const auto along = [&](int end) { return (p(end) - from).dot(to - from); };
           if (std::max(along(v), along(w)) > 0 && std::min(along(v), along(w)) < (to - from).squaredNorm())
             return false;
         } else if (side_v * side_w <= 0 && orient2d(p(v), p(w), from) * orient2d(p(v), p(w), to) <= 0) {
