@@ -1,4 +1,5 @@
 #include "command.hpp"
+#include "coons_stage.hpp"
 
 #include <algorithm>
 #include <memory>
@@ -17,7 +18,6 @@
 #include "batten/subdivision/step.hpp"
 #include "batten/subdivision/subdivide.hpp"
 #include "batten/surfacing/surface.hpp"
-#include "coons_stage.hpp"
 
 namespace batten::cli {
 
@@ -204,8 +204,8 @@ void make_surface(const SketchArguments& arguments, const Project& project, cons
 void make_coons_surface(const SketchArguments& arguments, const Project& project, const Context& context,
                         Outcome& outcome) {
   Json& figures = outcome.figures["surface"] = Json::object();
-  CoonsSurface surface = run_coons_stage(arguments.coons, project.document.mesh(), arguments.levels, context,
-                                         outcome, figures);
+  CoonsSurface surface =
+      run_coons_stage(arguments.coons, project.document.mesh(), arguments.levels, context, outcome, figures);
   if (!arguments.surface.empty()) {
     TriangleMesh mesh;
     mesh.triangles = cut_quads(surface.fine);
@@ -266,8 +266,7 @@ void add_sketch(CLI::App& app) {
   const auto arguments = std::make_shared<SketchArguments>();
   CLI::App* command =
       add_command(app, "sketch", "Play a recorded sketching session into a model of curves and faces.",
-                  "batten sketch session.jsonl -o model.batten --json",
-                  [arguments, &app](Context& context) {
+                  "batten sketch session.jsonl -o model.batten --json", [arguments, &app](Context& context) {
                     check_coons_arguments(*app.get_subcommand("sketch"), arguments->coons, arguments->method,
                                           arguments->levels);
                     return run_sketch(*arguments, context);
@@ -277,15 +276,16 @@ void add_sketch(CLI::App& app) {
   command->add_option("-o,--output", arguments->output, "Project to write: .batten")->required();
   command->add_option("--surface", arguments->surface, "Surface to write: .ply, .obj, .off or .stl");
   command
-      ->add_option(
-          "--method", arguments->method,
-          "How the surface is made: v2, by diffusion of mean curvature, v1, from Coons patches, or curvature, "
-          "by filling the network")
+      ->add_option("--method", arguments->method,
+                   "How the surface is made: v2, by diffusion of mean curvature, v1, from Coons patches, or "
+                   "curvature, "
+                   "by filling the network")
       ->check(CLI::IsMember({"v2", "v1", "curvature"}));
   command->add_option("--levels", arguments->levels, "Levels of subdivision of the finished surface")
       ->check(CLI::Range(0, 6));
   command
-      ->add_option("--splits", arguments->splits, "v2: splits of the faces before the flow: 3 gives 16 n quads")
+      ->add_option("--splits", arguments->splits,
+                   "v2: splits of the faces before the flow: 3 gives 16 n quads")
       ->check(CLI::Range(1, 6));
   command->add_option("--step", arguments->step, "STEP file to write: the limit surface as B-spline patches");
   add_coons_options(*command, arguments->coons);

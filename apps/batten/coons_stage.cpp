@@ -40,24 +40,24 @@ void add_coons_options(CLI::App& command, CoonsArguments& arguments) {
                    "v1 with Catmull-Clark: the surface passes the curves by, as in the thesis");
 }
 
-void check_coons_arguments(const CLI::App& command, const CoonsArguments& arguments, const std::string& method,
-                           int levels) {
+void check_coons_arguments(const CLI::App& command, const CoonsArguments& arguments,
+                           const std::string& method, int levels) {
   const auto is_given = [&](const char* name) { return command.get_option(name)->count() > 0; };
   if (method != "v1") {
     for (const char* name : {"--scheme", "--refinements", "--search", "--approximate"})
       if (is_given(name))
-        throw CLI::ValidationError(name, concat("belongs to --method v1, not to ", method,
-                                                "; leave it out or add --method v1"));
+        throw CLI::ValidationError(
+            name, concat("belongs to --method v1, not to ", method, "; leave it out or add --method v1"));
     return;
   }
   if (is_given("--splits"))
     throw CLI::ValidationError("--splits", "belongs to --method v2; with v1 use --refinements");
   if (!ends_in_catmull_clark(arguments.scheme)) {
     if (is_given("--step"))
-      throw CLI::ValidationError(
-          "--step", concat("writes the limit surface of Catmull-Clark; ", arguments.scheme,
-                           " has no B-splines as its limit. Use --scheme catmull-clark or "
-                           "nulissmod+catmull-clark"));
+      throw CLI::ValidationError("--step",
+                                 concat("writes the limit surface of Catmull-Clark; ", arguments.scheme,
+                                        " has no B-splines as its limit. Use --scheme catmull-clark or "
+                                        "nulissmod+catmull-clark"));
     if (arguments.approximate)
       throw CLI::ValidationError("--approximate",
                                  concat("belongs to schemes that end in catmull-clark; ", arguments.scheme,
@@ -65,7 +65,8 @@ void check_coons_arguments(const CLI::App& command, const CoonsArguments& argume
   }
   if (arguments.scheme == "nulissmod+catmull-clark" && levels < 1)
     throw CLI::ValidationError(
-        "--levels", "must be 1 or more with --scheme nulissmod+catmull-clark, whose first level is NULISSmod");
+        "--levels",
+        "must be 1 or more with --scheme nulissmod+catmull-clark, whose first level is NULISSmod");
 }
 
 CoonsSurface run_coons_stage(const CoonsArguments& arguments, const PolylineMesh& mesh, int levels,

@@ -19,8 +19,8 @@ void add_coons_options(CLI::App& command, CoonsArguments& arguments);
 
 /// Refuses options that do not go together, in words.
 /// @param command `sketch`, parsed. @throws CLI::ValidationError.
-void check_coons_arguments(const CLI::App& command, const CoonsArguments& arguments, const std::string& method,
-                           int levels);
+void check_coons_arguments(const CLI::App& command, const CoonsArguments& arguments,
+                           const std::string& method, int levels);
 
 /// Makes the surface; figures, lines and times go to `outcome`, counts of the surface to `figures`.
 CoonsSurface run_coons_stage(const CoonsArguments& arguments, const PolylineMesh& mesh, int levels,

@@ -192,8 +192,9 @@ BaseMesh triquadrified(const PolylineMesh& mesh, SplitSearch search) {
       for (size_t k = 0; k < part.size(); ++k) {
         const int i = part[k], j = part[(k + 1) % part.size()];
         const auto found = diagonal_between.find(std::minmax(i, j));
-        own.sides.push_back((i + 1) % n == j || found == diagonal_between.end() ? sides[at(i)]
-                                                                                : side_of(found->second, i > j));
+        own.sides.push_back((i + 1) % n == j || found == diagonal_between.end()
+                                ? sides[at(i)]
+                                : side_of(found->second, i > j));
       }
     }
     if (split.parts.size() > 1) {

@@ -129,8 +129,8 @@ Vector3d doubled_area(const std::vector<SharedPolyline>& sides) {
   Vector3d sum = Vector3d::Zero();
   for (const SharedPolyline& side : sides)
     for (Index i = 0; i + 1 < side->n_points(); ++i)
-      sum += (side->points().row(i).transpose() - origin)
-                 .cross(side->points().row(i + 1).transpose() - origin);
+      sum +=
+          (side->points().row(i).transpose() - origin).cross(side->points().row(i + 1).transpose() - origin);
   return sum;
 }
 
@@ -167,8 +167,8 @@ FacePatch associate_quad(const std::vector<SharedPolyline>& sides) {
   });
   std::array<size_t, 4> corners{order[0], order[1], order[2], order[3]};
   std::sort(corners.begin(), corners.end());
-  static const std::array<Vector2d, 5> kSquare{Vector2d(0, 0), Vector2d(1, 0), Vector2d(1, 1),
-                                               Vector2d(0, 1), Vector2d(0, 0)};
+  static const std::array<Vector2d, 5> kSquare{Vector2d(0, 0), Vector2d(1, 0), Vector2d(1, 1), Vector2d(0, 1),
+                                               Vector2d(0, 0)};
   std::array<SharedPolyline, 4> joint;
   std::vector<Vector2d> parameters(n);
   for (size_t q = 0; q < 4; ++q) {

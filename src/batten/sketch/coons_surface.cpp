@@ -50,7 +50,8 @@ Line half_of(const Line& line, bool second) {
   const size_t m = (line.vertices.size() - 1) / 2;
   const Index n = (line.samples.rows() - 1) / 2;
   const auto first = line.vertices.begin() + static_cast<std::ptrdiff_t>(second ? m : 0);
-  return {{first, first + static_cast<std::ptrdiff_t>(m) + 1}, line.samples.middleRows(second ? n : 0, n + 1)};
+  return {{first, first + static_cast<std::ptrdiff_t>(m) + 1},
+          line.samples.middleRows(second ? n : 0, n + 1)};
 }
 
 /// The points of a polyline between two arc lengths, both ends given.
@@ -87,7 +88,8 @@ class BasicRefinement {
         chain.insert(chain.end(), lines_[at(piece)].vertices.begin(), lines_[at(piece)].vertices.end());
       }
     for (size_t f = 0; f < base.faces.size(); ++f) {
-      if (f % 64 == 0) progress.report("refine", static_cast<double>(f) / static_cast<double>(base.faces.size()));
+      if (f % 64 == 0)
+        progress.report("refine", static_cast<double>(f) / static_cast<double>(base.faces.size()));
       const BaseFace& face = base.faces[f];
       std::vector<Line> sides;
       for (const int side : face.sides) {
@@ -117,7 +119,8 @@ class BasicRefinement {
     Line line;
     line.samples = edge.polyline->sampled(kPointsOfEdge * m_);
     line.vertices.push_back(edge.from);
-    for (int k = 1; k < m_; ++k) line.vertices.push_back(add(line.samples.row(kPointsOfEdge * k), edge.drawn));
+    for (int k = 1; k < m_; ++k)
+      line.vertices.push_back(add(line.samples.row(kPointsOfEdge * k), edge.drawn));
     line.vertices.push_back(edge.to);
     const double length = edge.polyline->length();
     for (int k = 0; k < m_; ++k) {
@@ -159,8 +162,8 @@ class BasicRefinement {
   void refine_triangle(const BaseFace& face, const std::vector<Line>& sides) {
     std::vector<SharedPolyline> curves;
     for (const int side : face.sides) curves.push_back(surface_.base.polyline_of(side));
-    const auto pole =
-        static_cast<size_t>(pole_of_triangle({curves[0]->length(), curves[1]->length(), curves[2]->length()}));
+    const auto pole = static_cast<size_t>(
+        pole_of_triangle({curves[0]->length(), curves[1]->length(), curves[2]->length()}));
     const CoonsPatch patch = associate_quad(curves).patch;
     const Eigen::Vector2d middle(0.5, 0.5);
     const int centre = add(patch.at(0.5, 0.5), false);
@@ -175,8 +178,8 @@ class BasicRefinement {
     }
     for (size_t k = 0; k < 3; ++k) {  // the quad at the corner where side k begins
       const size_t before = (k + 2) % 3;
-      fill(half_of(sides[k], false), spokes[k], spokes[before],
-           half_of(reversed_line(sides[before]), false), face.face);
+      fill(half_of(sides[k], false), spokes[k], spokes[before], half_of(reversed_line(sides[before]), false),
+           face.face);
     }
   }
 
@@ -200,7 +203,8 @@ class BasicRefinement {
       grid(m, k) = right.vertices[at(k)];
     }
     for (int j = 1; j < m; ++j)
-      for (int i = 1; i < m; ++i) grid(i, j) = add(patch(kPointsOfEdge * i, kPointsOfEdge * j).transpose(), false);
+      for (int i = 1; i < m; ++i)
+        grid(i, j) = add(patch(kPointsOfEdge * i, kPointsOfEdge * j).transpose(), false);
     if (with_polylines_)
       for (const bool across : {false, true})
         for (int j = 1; j < m; ++j) {

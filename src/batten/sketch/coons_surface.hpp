@@ -13,10 +13,10 @@ namespace batten {
 
 /// How the refined mesh of H 6.2 becomes a smooth surface (H 6.3).
 enum class FinalScheme {
-  CatmullClark,            ///< the smoothest
-  Nuliss,                  ///< through the vertices of the refined mesh
-  NulissMod,               ///< along the polylines; not smooth across them
-  NulissModCatmullClark,   ///< one level of the one, then the other (H fig. 7.3)
+  CatmullClark,           ///< the smoothest
+  Nuliss,                 ///< through the vertices of the refined mesh
+  NulissMod,              ///< along the polylines; not smooth across them
+  NulissModCatmullClark,  ///< one level of the one, then the other (H fig. 7.3)
 };
 
 /// Options of coons_surface(). The defaults are those of H 6.2, with the better search.

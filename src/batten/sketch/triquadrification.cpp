@@ -60,7 +60,8 @@ double distance_from_segment(const Vector2d& q, const Vector2d& a, const Vector2
 /// A face as the searches see it.
 class Face {
  public:
-  explicit Face(const std::vector<SharedPolyline>& sides) : sides_(sides), n_(static_cast<int>(sides.size())) {
+  explicit Face(const std::vector<SharedPolyline>& sides)
+      : sides_(sides), n_(static_cast<int>(sides.size())) {
     const Vector3d area = doubled_area(sides);
     normal_ = area.stableNormalized();
     origin_ = sides.front()->front();
@@ -91,7 +92,8 @@ class Face {
     const size_t m = outline_.size();
     for (size_t i = 0; i < m && is_simple_; ++i)
       for (size_t j = i + 1; j < m && is_simple_; ++j)
-        is_simple_ = !properly_crosses(outline_[i], outline_[(i + 1) % m], outline_[j], outline_[(j + 1) % m]);
+        is_simple_ =
+            !properly_crosses(outline_[i], outline_[(i + 1) % m], outline_[j], outline_[(j + 1) % m]);
     leaves_.assign(at(n_) * at(n_), -1);
   }
 
@@ -99,9 +101,7 @@ class Face {
   const Vector3d& corner(int k) const { return corners_[at(k)]; }
   /// Whether the outline, seen along the normal, does not cross itself, so that inside and outside are known.
   bool is_simple() const { return is_simple_; }
-  Vector2d flat(const Vector3d& p) const {
-    return {(p - origin_).dot(first_), (p - origin_).dot(second_)};
-  }
+  Vector2d flat(const Vector3d& p) const { return {(p - origin_).dot(first_), (p - origin_).dot(second_)}; }
 
   /// Flaws of the diagonal between two corners; sides have none.
   int flaws_of_diagonal(int i, int j) const {
