@@ -1,4 +1,5 @@
-// The surface of FIRES V1 from nothing on models of growing size, and the division of one face by both searches.
+// The surface of FIRES V1 from nothing on models of growing size, and the division of one face by both
+// searches.
 #include "sketch/models.hpp"
 #include "subdivision/cages.hpp"
 
@@ -15,8 +16,8 @@ namespace {
 /// A wavy sheet of n curves, half along x and half along y; every edge is a polyline of 8 segments.
 PolylineMesh sheet_of(int n_curves) {
   const int n = n_curves / 2;
-  const ControlCage cage =
-      cages::grid(n, n, [&](int i, int j) { return Eigen::RowVector3d(i, j, 0) / static_cast<double>(n - 1); });
+  const ControlCage cage = cages::grid(
+      n, n, [&](int i, int j) { return Eigen::RowVector3d(i, j, 0) / static_cast<double>(n - 1); });
   return models::model_of_cage(cage.mesh, [&](int from, int to) {
     Points points(9, 3);
     for (int i = 0; i <= 8; ++i) {

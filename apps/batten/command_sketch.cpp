@@ -208,7 +208,7 @@ void make_coons_surface(const SketchArguments& arguments, const Project& project
       run_coons_stage(arguments.coons, project.document.mesh(), arguments.levels, context, outcome, figures);
   if (!arguments.surface.empty()) {
     TriangleMesh mesh;
-    mesh.triangles = cut_quads(surface.fine);
+    mesh.triangles = triangles_of(surface.fine);
     mesh.positions = std::move(surface.fine.positions);
     mesh.normals = std::move(surface.normals);
     write_surface(arguments, std::move(mesh), figures, outcome);

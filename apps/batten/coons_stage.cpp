@@ -95,4 +95,14 @@ CoonsSurface run_coons_stage(const CoonsArguments& arguments, const PolylineMesh
   return surface;
 }
 
+Triangles triangles_of(const PolygonMesh& quads) {
+  Triangles triangles(2 * quads.n_faces(), 3);
+  for (Eigen::Index f = 0; f < quads.n_faces(); ++f) {
+    const int* c = &quads.corners[static_cast<size_t>(4 * f)];
+    triangles.row(2 * f) << c[0], c[1], c[2];
+    triangles.row(2 * f + 1) << c[0], c[2], c[3];
+  }
+  return triangles;
+}
+
 }  // namespace batten::cli

@@ -26,4 +26,7 @@ void check_coons_arguments(const CLI::App& command, const CoonsArguments& argume
 CoonsSurface run_coons_stage(const CoonsArguments& arguments, const PolylineMesh& mesh, int levels,
                              const Context& context, Outcome& outcome, Json& figures);
 
+/// The quads of its finished surface, cut as coons_surface() has checked them.
+Triangles triangles_of(const PolygonMesh& quads);
+
 }  // namespace batten::cli

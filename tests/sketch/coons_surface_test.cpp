@@ -8,6 +8,7 @@
 #include <cmath>
 #include <iostream>
 
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 #include "batten/core/error.hpp"
@@ -63,16 +64,19 @@ double distance_from_curves(const PolylineMesh& mesh, const CoonsSurface& surfac
     if (!mesh.edges()[e].alive || !mesh.edges()[e].drawn) continue;
     const Polyline& polyline = *mesh.edges()[e].polyline;
     Segments segments(polyline.n_points() - 1, 2);
-    for (Index i = 0; i < segments.rows(); ++i) segments.row(i) << static_cast<int>(i), static_cast<int>(i) + 1;
+    for (Index i = 0; i < segments.rows(); ++i)
+      segments.row(i) << static_cast<int>(i), static_cast<int>(i) + 1;
     const SegmentTree tree(polyline.points(), segments);
     for (const int v : surface.vertices_of_edge[e])
-      worst = std::max(worst, std::sqrt(tree.closest(surface.fine.positions.row(v).transpose()).squared_distance));
+      worst =
+          std::max(worst, std::sqrt(tree.closest(Vector3d(surface.fine.positions.row(v))).squared_distance));
   }
   return worst;
 }
 
 /// A cage whose edges follow a map from its own vertices: straight lines through the map.
-PolylineMesh mapped(const ControlCage& cage, const std::function<Vector3d(const Vector3d&)>& map, int n = 32) {
+PolylineMesh mapped(const ControlCage& cage, const std::function<Vector3d(const Vector3d&)>& map,
+                    int n = 32) {
   return models::model_of_cage(cage.mesh, [&](int from, int to) {
     Points points(n + 1, 3);
     for (int i = 0; i <= n; ++i) {
@@ -122,18 +126,18 @@ TEST(CoonsSurface, TestNetworksLieWithinTheFiguresOfTheDocs) {
     const Vector3d q = p.cwiseQuotient(axes);
     return (q.squaredNorm() - 1) / (2 * q.cwiseQuotient(axes).norm());
   };
-  ControlCage refined_cube = subdivide(cages::cube(), {.scheme = SubdivisionScheme::Linear, .levels = 1}).cage;
+  ControlCage refined_cube =
+      subdivide(cages::cube(), {.scheme = SubdivisionScheme::Linear, .levels = 1}).cage;
   std::vector<Network> networks;
   networks.push_back({"sphere, three circles", three_great_circles(),
                       [](const Vector3d& p) { return p.norm() - 1; }, 2 * std::sqrt(3.0), 0.02, 0.008});
-  networks.push_back({"sphere, 24 patches", mapped(refined_cube, [](const Vector3d& p) { return Vector3d(p.normalized()); }),
+  networks.push_back({"sphere, 24 patches",
+                      mapped(refined_cube, [](const Vector3d& p) { return Vector3d(p.normalized()); }),
                       [](const Vector3d& p) { return p.norm() - 1; }, 2 * std::sqrt(3.0), 0.01, 0.003});
-  networks.push_back({"ellipsoid, 24 patches", mapped(refined_cube, ellipsoid), from_ellipsoid, 2 * axes.norm(),
-                      0.01, 0.003});
+  networks.push_back({"ellipsoid, 24 patches", mapped(refined_cube, ellipsoid), from_ellipsoid,
+                      2 * axes.norm(), 0.01, 0.003});
   networks.push_back({"torus, 8 x 4 patches", torus(8, 4),
-                      [](const Vector3d& p) {
-                        return std::hypot(std::hypot(p.x(), p.y()) - 2, p.z()) - 0.7;
-                      },
+                      [](const Vector3d& p) { return std::hypot(std::hypot(p.x(), p.y()) - 2, p.z()) - 0.7; },
                       std::hypot(5.4, 5.4, 1.4), 0.01, 0.003});
   // An open tube of 4 x 2 patches: surfaces of translation, so the patches are exact.
   ControlCage tube = cages::grid(5, 3, [](int i, int j) { return Eigen::RowVector3d(i, j, 0); });
@@ -143,29 +147,28 @@ TEST(CoonsSurface, TestNetworksLieWithinTheFiguresOfTheDocs) {
   Points where(static_cast<Index>(kept.size()), 3);
   for (const auto& [old, now] : kept) where.row(now) << old % 5, old / 5, 0;
   tube.mesh.positions = where;
-  networks.push_back({"cylinder, 4 x 2 patches", models::model_of_cage(tube.mesh,
-                                                                      [&](int from, int to) {
-                                                                        Eigen::RowVector3d a = where.row(from),
-                                                                                           b = where.row(to);
-                                                                        if (b.x() - a.x() > 2) a.x() += 4;
-                                                                        if (a.x() - b.x() > 2) b.x() += 4;
-                                                                        Points points(33, 3);
-                                                                        for (int i = 0; i <= 32; ++i) {
-                                                                          const Eigen::RowVector3d p =
-                                                                              a + (b - a) * i / 32.0;
-                                                                          const double t = kPi / 2 * p.x();
-                                                                          points.row(i) << std::cos(t),
-                                                                              std::sin(t), p.y();
-                                                                        }
-                                                                        return points;
-                                                                      }),
-                      [](const Vector3d& p) { return std::hypot(p.x(), p.y()) - 1; }, std::sqrt(12.0), 0.002, 0.001});
+  networks.push_back({"cylinder, 4 x 2 patches",
+                      models::model_of_cage(tube.mesh,
+                                            [&](int from, int to) {
+                                              Eigen::RowVector3d a = where.row(from), b = where.row(to);
+                                              if (b.x() - a.x() > 2) a.x() += 4;
+                                              if (a.x() - b.x() > 2) b.x() += 4;
+                                              Points points(33, 3);
+                                              for (int i = 0; i <= 32; ++i) {
+                                                const Eigen::RowVector3d p = a + (b - a) * i / 32.0;
+                                                const double t = kPi / 2 * p.x();
+                                                points.row(i) << std::cos(t), std::sin(t), p.y();
+                                              }
+                                              return points;
+                                            }),
+                      [](const Vector3d& p) { return std::hypot(p.x(), p.y()) - 1; }, std::sqrt(12.0), 0.002,
+                      0.001});
   for (const Network& network : networks)
     for (const FinalScheme scheme : kAllSchemes) {
       const CoonsSurface surface = coons_surface(network.mesh, {.scheme = scheme, .levels = 2});
       const Deviation d = deviation(surface.fine.positions, network.distance);
-      std::cout << network.name << ", " << name(scheme) << ": " << 100 * d.largest / network.size << " % at most, "
-                << 100 * d.mean / network.size << " % in the mean\n";
+      std::cout << network.name << ", " << name(scheme) << ": " << 100 * d.largest / network.size
+                << " % at most, " << 100 * d.mean / network.size << " % in the mean\n";
       EXPECT_LT(d.largest, network.largest * network.size) << network.name << ' ' << name(scheme);
       EXPECT_LT(d.mean, network.mean * network.size) << network.name << ' ' << name(scheme);
       // Vertices on the curves stay there; NULISS and the fitted cage interpolate them.
@@ -222,13 +225,13 @@ TEST(CoonsSurface, ComesBackFromTheRefinementOfACoarseMesh) {
     ControlCage cage;
     double largest, mean;
   };
-  for (const Case& c : {Case{"cube", cages::cube(), 0.02, 0.005},
-                        Case{"cube with sharp edges", cages::cube_with_sharp_edges(), 0.02, 0.005},
-                        Case{"torus", cages::torus(6, 5), 0.02, 0.005},
-                        Case{"dented torus", dented_torus(), 0.02, 0.005},
-                        Case{"five-sided prism", cages::prism(5), 0.02, 0.005},
-                        Case{"eight-sided prism", cages::prism(8), 0.02, 0.005},
-                        Case{"tetrahedron", cages::tetrahedron(), 0.05, 0.02}})
+  for (const Case& c :
+       {Case{"cube", cages::cube(), 0.02, 0.005},
+        Case{"cube with sharp edges", cages::cube_with_sharp_edges(), 0.02, 0.005},
+        Case{"torus", cages::torus(6, 5), 0.02, 0.005}, Case{"dented torus", dented_torus(), 0.02, 0.005},
+        Case{"five-sided prism", cages::prism(5), 0.02, 0.005},
+        Case{"eight-sided prism", cages::prism(8), 0.02, 0.005},
+        Case{"tetrahedron", cages::tetrahedron(), 0.05, 0.02}})
     for (const FinalScheme scheme : kAllSchemes) {
       const Deviation d = against_its_refinement(c.cage, {.scheme = scheme, .levels = 2});
       std::cout << c.name << ", " << name(scheme) << ": " << 100 * d.largest << " % of the diameter at most, "
@@ -264,7 +267,8 @@ TEST(CoonsSurface, CarriesSharpEdgesIntoTheSubdivision) {
           height = std::max(height, std::abs(surface.fine.positions(surface.fine.corners[c], 2) - 1));
     EXPECT_LT(height, 1e-8) << name(scheme);
     for (const int v : {4, 5, 6, 7})
-      EXPECT_LT((surface.fine.positions.row(v) - cages::cube().mesh.positions.row(v)).norm(), 1e-8) << name(scheme);
+      EXPECT_LT((surface.fine.positions.row(v) - cages::cube().mesh.positions.row(v)).norm(), 1e-8)
+          << name(scheme);
     for (size_t e = 0; e < mesh.edges().size(); ++e) {
       if (mesh.edges()[e].sharpness == 0) continue;
       const Points& line = mesh.edges()[e].polyline->points();
@@ -287,7 +291,8 @@ TEST(CoonsSurface, NulissModKeepsToThePolylinesAtEveryLevel) {
     return Vector3d(p.x(), p.y(), p.x() * (1 - p.x()) + p.y() * (1 - p.y()));
   };
   const PolylineMesh mesh = mapped(cage, arch, 40);
-  const CoonsSurface surface = coons_surface(mesh, {.steps = 1, .scheme = FinalScheme::NulissMod, .levels = 3});
+  const CoonsSurface surface =
+      coons_surface(mesh, {.steps = 1, .scheme = FinalScheme::NulissMod, .levels = 3});
   double border = 0, inside = 0;
   for (Index v = 0; v < surface.fine.positions.rows(); ++v) {
     const Vector3d p = surface.fine.positions.row(v);
@@ -340,7 +345,8 @@ TEST(CoonsSurface, DiscsOfTwoSidesAndOpenSheetsKeepTheirBorder) {
 
 TEST(CoonsSurface, FollowsRotationAndScale) {
   PolylineMesh mesh = three_great_circles();
-  const CoonsSurface before = coons_surface(mesh, {.scheme = FinalScheme::NulissModCatmullClark, .levels = 1});
+  const CoonsSurface before =
+      coons_surface(mesh, {.scheme = FinalScheme::NulissModCatmullClark, .levels = 1});
   Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
   matrix.topLeftCorner<3, 3>() << 0, -300, 0, 0, 0, 300, -300, 0, 0;
   matrix.topRightCorner<3, 1>() << 5, 6, 7;
@@ -365,10 +371,12 @@ TEST(CoonsSurface, BadOptionsAndEmptyModelsAreNamed) {
   EXPECT_THROW(coons_surface(three_great_circles(), {.steps = 0}), InvalidInput);
   EXPECT_THROW(coons_surface(three_great_circles(), {.levels = 7}), InvalidInput);
   EXPECT_THROW(coons_surface(three_great_circles(), {.steps = 6, .levels = 6}), InvalidInput);
-  EXPECT_THROW(coons_surface(three_great_circles(), {.scheme = FinalScheme::NulissModCatmullClark, .levels = 0}),
-               InvalidInput);
-  EXPECT_THROW(coons_surface(three_great_circles(), {}, Progress([](std::string_view, double) { return false; })),
-               Cancelled);
+  EXPECT_THROW(
+      coons_surface(three_great_circles(), {.scheme = FinalScheme::NulissModCatmullClark, .levels = 0}),
+      InvalidInput);
+  EXPECT_THROW(
+      coons_surface(three_great_circles(), {}, Progress([](std::string_view, double) { return false; })),
+      Cancelled);
 }
 
 // A hole within a face of a tube: straight ties would cut through the tube.
@@ -404,7 +412,8 @@ TEST(TriquadrifiedModel, LaysTheTiesOfHolesOverTheFace) {
   EXPECT_GT(straight, 0.1);
   EXPECT_LT(laid, 0.005);
   const CoonsSurface surface = coons_surface(mesh);
-  EXPECT_LT(deviation(surface.fine.positions, [](const Vector3d& p) { return std::hypot(p.x(), p.y()) - 1; }).largest,
+  EXPECT_LT(deviation(surface.fine.positions, [](const Vector3d& p) { return std::hypot(p.x(), p.y()) - 1; })
+                .largest,
             0.02);
 }
 

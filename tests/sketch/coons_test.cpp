@@ -103,10 +103,12 @@ TEST(AssociateQuad, GivesTrianglesASideWithoutLengthAndHalvesTheSidesOfDigons) {
   // A needle: its two long sides meet at corner 1.
   const FacePatch triangle = associate_quad(sides_over(flat, {{0, 0}, {4, 0.5}, {0, 1}}));
   EXPECT_EQ(triangle.parameters[1], Vector2d(0.5, 0));
-  for (const double u : {0.0, 0.3, 1.0}) EXPECT_LT((triangle.patch.at(u, 0) - Vector3d(4, 0.5, 0)).norm(), 1e-14);
+  for (const double u : {0.0, 0.3, 1.0})
+    EXPECT_LT((triangle.patch.at(u, 0) - Vector3d(4, 0.5, 0)).norm(), 1e-14);
   EXPECT_LT((triangle.patch.at(1, 1) - Vector3d(0, 1, 0)).norm(), 1e-14);
   const auto circle = [](const Vector2d& p) { return Vector3d(std::cos(p.x()), std::sin(p.x()), 0); };
-  const FacePatch disc = associate_quad({curve(circle, {0, 0}, {kPi, 0}), curve(circle, {kPi, 0}, {2 * kPi, 0})});
+  const FacePatch disc =
+      associate_quad({curve(circle, {0, 0}, {kPi, 0}), curve(circle, {kPi, 0}, {2 * kPi, 0})});
   // Four equal arcs: the middle of the patch is that of the circle.
   EXPECT_LT(disc.patch.at(0.5, 0.5).norm(), 1e-4);
   EXPECT_LT((disc.patch.at(1, 0) - Vector3d(0, 1, 0)).norm(), 1e-4);

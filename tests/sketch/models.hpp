@@ -25,7 +25,8 @@ inline PolylineMesh model_of_cage(const PolygonMesh& cage, const CurveOfEdge& cu
     face.alive = true;
     for (size_t c = begin; c < end; ++c) {
       const int from = cage.corners[c], to = cage.corners[c + 1 < end ? c + 1 : begin];
-      const auto [found, is_new] = edge_between.insert({std::minmax(from, to), static_cast<int>(edges.size())});
+      const auto [found, is_new] =
+          edge_between.insert({std::minmax(from, to), static_cast<int>(edges.size())});
       const int e = found->second;
       if (is_new) {
         SketchEdge edge;

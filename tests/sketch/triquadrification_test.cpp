@@ -38,7 +38,7 @@ Vector3d flat(const Vector2d& p) {
 }
 
 /// The outline of H fig. 3.2.
-const std::vector<Vector2d> kCross{{1, -1}, {3, -1}, {3, 1}, {1, 1}, {1, 3}, {-1, 3},
+const std::vector<Vector2d> kCross{{1, -1}, {3, -1}, {3, 1},   {1, 1},   {1, 3},   {-1, 3},
                                    {-1, 1}, {-3, 1}, {-3, -1}, {-1, -1}, {-1, -3}, {1, -3}};
 
 double cross(const Vector2d& a, const Vector2d& b) {
@@ -66,7 +66,8 @@ void expect_fair_division(const std::vector<Vector2d>& corners, const FaceSplit&
     sum += area(polygon);
     for (size_t k = 0; convex && k < n; ++k) {
       const Vector2d next = polygon[(k + 1) % n] - polygon[k], last = polygon[(k + n - 1) % n] - polygon[k];
-      EXPECT_GT(cross(next, last), -0.18 * next.norm() * last.norm());  // sin of the 10 degrees that are let be
+      EXPECT_GT(cross(next, last),
+                -0.18 * next.norm() * last.norm());  // sin of the 10 degrees that are let be
     }
   }
   EXPECT_EQ(n_sides, corners.size() - 2);
@@ -79,8 +80,8 @@ TEST(SplitFace, DividesTheCrossIntoFiveSquares) {
   for (size_t first = 0; first < 12; ++first) {
     std::vector<Vector2d> corners = kCross;
     std::rotate(corners.begin(), corners.begin() + static_cast<std::ptrdiff_t>(first), corners.end());
-    const FaceSplit split = split_face(
-        sides_over([&](const Vector2d& p) { return Vector3d(100 * turn * flat(p) + Vector3d(7, 8, 9)); }, corners));
+    const FaceSplit split = split_face(sides_over(
+        [&](const Vector2d& p) { return Vector3d(100 * turn * flat(p) + Vector3d(7, 8, 9)); }, corners));
     EXPECT_EQ(split.cost.flaws, 0);
     EXPECT_EQ(split.parts.size(), 5u);
     EXPECT_LT(split.cost.planarity + split.cost.shape, 1e-6);
@@ -113,9 +114,9 @@ TEST(SplitFace, OptimalIsSoundOnNonConvexFacesAndNeverWorseThanGreedy) {
       optimal_flawed += optimal.cost.flaws > 0;
       greedy_flawed += greedy.cost.flaws > 0;
       if (optimal.cost.flaws == 0) expect_fair_division(corners, optimal);
-      EXPECT_TRUE(optimal.cost.flaws < greedy.cost.flaws ||
-                  (optimal.cost.flaws == greedy.cost.flaws &&
-                   optimal.cost.angle() <= greedy.cost.angle() + 1e-6));
+      EXPECT_TRUE(
+          optimal.cost.flaws < greedy.cost.flaws ||
+          (optimal.cost.flaws == greedy.cost.flaws && optimal.cost.angle() <= greedy.cost.angle() + 1e-6));
       if (greedy.cost.flaws == 0) {
         ++both_sound;
         greedy_cost += greedy.cost.angle();
@@ -124,8 +125,9 @@ TEST(SplitFace, OptimalIsSoundOnNonConvexFacesAndNeverWorseThanGreedy) {
       }
     }
   std::cout << n_faces << " plane faces: flaws with the greedy search in " << greedy_flawed << ", optimal in "
-            << optimal_flawed << "; where both are sound (" << both_sound << ") mean cost " << greedy_cost / both_sound
-            << " and " << optimal_cost / both_sound << ", the optimal one better in " << better << '\n';
+            << optimal_flawed << "; where both are sound (" << both_sound << ") mean cost "
+            << greedy_cost / both_sound << " and " << optimal_cost / both_sound
+            << ", the optimal one better in " << better << '\n';
   EXPECT_LE(optimal_flawed, n_faces / 50);  // diagonals within two hundredths of the border count as flaws
   EXPECT_GT(greedy_flawed, 10 * (optimal_flawed + 1));
   EXPECT_GT(better, 0);
@@ -177,7 +179,8 @@ TEST(SplitFace, FindsTheBestOfAllDivisions) {
       const std::vector<Vector2d> corners = star_polygon(random, n);
       const double a = random.normal(), b = random.normal();
       const auto sides = sides_over(
-          [&](const Vector2d& p) { return Vector3d(p.x(), p.y(), a * p.x() * p.y() + b * p.y() * p.y()); }, corners);
+          [&](const Vector2d& p) { return Vector3d(p.x(), p.y(), a * p.x() * p.y() + b * p.y() * p.y()); },
+          corners);
       std::vector<int> all(static_cast<size_t>(n));
       for (int c = 0; c < n; ++c) all[static_cast<size_t>(c)] = c;
       std::vector<std::vector<std::vector<int>>> divisions;
@@ -207,9 +210,9 @@ TEST(SplitFace, KeepsQuadsWholeButForReflexCorners) {
   for (const auto& part : arrow.parts)
     EXPECT_TRUE(std::count(part.begin(), part.end(), 1) && std::count(part.begin(), part.end(), 3));
   // Half a tube is bent by 180 degrees: its sides leave the corners along the mean normal.
-  const FaceSplit tube = split_face(sides_over(
-      [](const Vector2d& p) { return Vector3d(-std::cos(p.x()), p.y(), std::sin(p.x())); },
-      {{0, 0}, {kPi, 0}, {kPi, 2}, {0, 2}}));
+  const FaceSplit tube = split_face(
+      sides_over([](const Vector2d& p) { return Vector3d(-std::cos(p.x()), p.y(), std::sin(p.x())); },
+                 {{0, 0}, {kPi, 0}, {kPi, 2}, {0, 2}}));
   EXPECT_EQ(tube.parts.size(), 1u);
   EXPECT_THROW(split_face(sides_over(flat, {{0, 0}, {1, 0}})), InvalidInput);
 }
@@ -254,13 +257,15 @@ TEST(DiagonalsOfSplit, FollowTheBendOfTheFace) {
   // A pentagon on the unit sphere, about 50 degrees wide: the diagonals stay near it, straight ones sag.
   const auto sphere = [](const Vector2d& p) { return Vector3d(p.x(), p.y(), 1).normalized(); };
   std::vector<Vector2d> pentagon;
-  for (int k = 0; k < 5; ++k) pentagon.emplace_back(0.5 * std::cos(0.4 * kPi * k), 0.5 * std::sin(0.4 * kPi * k));
+  for (int k = 0; k < 5; ++k)
+    pentagon.emplace_back(0.5 * std::cos(0.4 * kPi * k), 0.5 * std::sin(0.4 * kPi * k));
   const auto sides = sides_over(sphere, pentagon);
   double sag = 0, straight = 0;
   for (const Diagonal& diagonal : diagonals_of_split(sides, split_face(sides))) {
     const Vector3d middle = diagonal.polyline->at(diagonal.polyline->length() / 2);
     sag = std::max(sag, std::abs(middle.norm() - 1));
-    straight = std::max(straight, 1 - (0.5 * (diagonal.polyline->front() + diagonal.polyline->back())).norm());
+    straight =
+        std::max(straight, 1 - (0.5 * (diagonal.polyline->front() + diagonal.polyline->back())).norm());
   }
   std::cout << "a pentagon on a sphere: diagonals within " << sag << " of the radius, straight ones "
             << straight << '\n';

@@ -221,8 +221,12 @@ class BasicRefinement {
     PolygonMesh& mesh = surface_.refined.mesh;
     for (int j = 0; j < m; ++j)
       for (int i = 0; i < m; ++i) {
-        for (const int v : {grid(i, j), grid(i + 1, j), grid(i + 1, j + 1), grid(i, j + 1)})
-          mesh.corners.push_back(v);
+        const int walk[4] = {grid(i, j), grid(i + 1, j), grid(i + 1, j + 1), grid(i, j + 1)};
+        // Quads begin on the side of the corner of their part, and are cut into triangles from there: the
+        // patch touches the plane of its sides at a corner, and so would a triangle that cuts it off.
+        const bool right_half = 2 * i >= m && m > 1, upper_half = 2 * j >= m && m > 1;
+        const int first = upper_half ? (right_half ? 2 : 3) : (right_half ? 1 : 0);
+        for (int k = 0; k < 4; ++k) mesh.corners.push_back(walk[(first + k) % 4]);
         mesh.offsets.push_back(static_cast<int>(mesh.corners.size()));
         surface_.face_of_quad.push_back(face);
       }

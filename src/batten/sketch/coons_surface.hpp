@@ -48,8 +48,8 @@ struct CoonsSurface {
   std::vector<std::vector<int>> vertices_of_edge;
   /// With schemes that end in Catmull–Clark the cage of the limit surface; else empty.
   ControlCage cage;
-  /// The finished surface: quads, on the limit surface with Catmull–Clark. Its first vertices are those of
-  /// `refined`.
+  /// The finished surface: quads, on the limit surface with Catmull–Clark, to be cut into triangles along
+  /// the diagonal from their first corner. Its first vertices are those of `refined`.
   PolygonMesh fine;
   Points normals;                 ///< of the limit surface, one per vertex of `fine`
   std::vector<int> face_of_fine;  ///< face of the model, per quad of `fine`

@@ -28,6 +28,7 @@ constexpr int kSamples = 8;            ///< per side, for the outline
 constexpr int kMostSides = 40;         ///< for dynamic programming: a tenth of a second
 constexpr double kReflex = 10;         ///< degrees above 180 at which a corner counts as reflex
 constexpr double kTurnedOver = 120;    ///< degrees between a part and its face
+constexpr double kMostBent = 65;       ///< degrees between a corner and its face: 55 in an octant of a sphere
 constexpr double kLeastSine = 0.02;    ///< of the angle at which a diagonal leaves the border
 constexpr int kPointsOfDiagonal = 32;  ///< segments of its polyline
 
@@ -88,24 +89,27 @@ class Face {
       }
       swept_.push_back(swept);
     }
-    is_simple_ = normal_.squaredNorm() > 0;
+    is_simple_ = normal_.squaredNorm() > 0 && !is_bent();
     const size_t m = outline_.size();
     for (size_t i = 0; i < m && is_simple_; ++i)
       for (size_t j = i + 1; j < m && is_simple_; ++j)
         is_simple_ =
             !properly_crosses(outline_[i], outline_[(i + 1) % m], outline_[j], outline_[(j + 1) % m]);
     leaves_.assign(at(n_) * at(n_), -1);
+    if (!is_simple_ && n_ > 3) follow_patch();
   }
 
   int n() const { return n_; }
   const Vector3d& corner(int k) const { return corners_[at(k)]; }
-  /// Whether the outline, seen along the normal, does not cross itself, so that inside and outside are known.
+  /// Whether the face lies over a plane: its outline, seen along the normal, does not cross itself, and it
+  /// is not bent as far as half a tube. Then inside and outside are known.
   bool is_simple() const { return is_simple_; }
   Vector2d flat(const Vector3d& p) const { return {(p - origin_).dot(first_), (p - origin_).dot(second_)}; }
 
   /// Flaws of the diagonal between two corners; sides have none.
   int flaws_of_diagonal(int i, int j) const {
-    if ((i + 1) % n_ == j || (j + 1) % n_ == i || !is_simple_) return 0;
+    if ((i + 1) % n_ == j || (j + 1) % n_ == i) return 0;
+    if (!is_simple_) return diagonals_[entry(i, j)].along_border ? 3 : 0;
     int& known = leaves_[at(std::min(i, j)) * at(n_) + at(std::max(i, j))];
     if (known < 0) {
       const Vector2d a = flat(corner(i)), b = flat(corner(j));
@@ -140,7 +144,9 @@ class Face {
       const int i = part[k], j = part[(k + 1) % size];
       const Vector3d chord = corner(j) - corner(i);
       perimeter += chord.norm();
-      area += is_side(i, j) ? swept_[at(i)] : Vector3d((corner(i) - origin_).cross(corner(j) - origin_));
+      area += is_side(i, j)        ? swept_[at(i)]
+              : diagonals_.empty() ? Vector3d((corner(i) - origin_).cross(corner(j) - origin_))
+                                   : diagonals_[entry(i, j)].swept;
     }
     const Vector3d normal = area.stableNormalized();
     cost.planarity = std::atan2(normal.cross(normal_).norm(), normal.dot(normal_));
@@ -149,8 +155,8 @@ class Face {
     const double regular = kPi * (size - 2) / size;
     for (int k = 0; k < size; ++k) {
       const int here = part[k], next = part[(k + 1) % size], last = part[(k + size - 1) % size];
-      const Vector3d to_next = is_side(here, next) ? out_[at(here)] : direction(here, next);
-      const Vector3d to_last = is_side(last, here) ? back_[at(last)] : direction(here, last);
+      const Vector3d to_next = is_side(here, next) ? out_[at(here)] : leaving(here, next);
+      const Vector3d to_last = is_side(last, here) ? back_[at(last)] : leaving(here, last);
       const double curved = interior_angle(to_next, to_last, normal);
       const double straight = interior_angle(direction(here, next), direction(here, last), normal);
       // Only where both say so: sides that bulge out make corners of chords reflex, and faces that bend by
@@ -165,6 +171,46 @@ class Face {
   Points lifted(const Vector2d& from, const Vector2d& to, int n_segments) const;
 
  private:
+  /// A diagonal over the Coons patch of a face that lies over no plane, from one corner to the other.
+  struct Over {
+    Vector3d swept, leaving;
+    bool along_border = false;
+  };
+
+  size_t entry(int i, int j) const { return at(i) * at(n_) + at(j); }
+
+  /// Takes diagonals as lines of the Coons patch: straight ones would cut through the face.
+  void follow_patch() {
+    const FacePatch quad = associate_quad(sides_);
+    diagonals_.resize(at(n_) * at(n_));
+    for (int i = 0; i < n_; ++i)
+      for (int j = 0; j < n_; ++j) {
+        if (i == j) continue;
+        Over& over = diagonals_[entry(i, j)];
+        over.along_border = quad.on_one_side(i, j);
+        const Points line = quad.patch.along(quad.parameters[at(i)], quad.parameters[at(j)], kSamples);
+        over.swept.setZero();
+        for (int k = 0; k < kSamples; ++k)
+          over.swept += (line.row(k).transpose() - origin_).cross(line.row(k + 1).transpose() - origin_);
+        over.leaving = (line.row(kSamples / 4) - line.row(0)).transpose().stableNormalized();
+      }
+  }
+
+  Vector3d leaving(int from, int to) const {
+    return diagonals_.empty() ? direction(from, to) : diagonals_[entry(from, to)].leaving;
+  }
+
+  bool is_bent() const {
+    for (int k = 0; k < n_; ++k) {
+      const Vector3d cross = out_[at(k)].cross(back_[at((k + n_ - 1) % n_)]);
+      // Straight corners have no plane of their own; reflex ones have the other sign.
+      if (cross.norm() > 0.17 &&
+          std::abs(cross.dot(normal_)) < std::cos(kMostBent * kPi / 180) * cross.norm())
+        return true;
+    }
+    return false;
+  }
+
   bool is_side(int i, int j) const { return (i + 1) % n_ == j; }
   Vector3d direction(int from, int to) const { return (corner(to) - corner(from)).stableNormalized(); }
 
@@ -208,6 +254,7 @@ class Face {
   std::vector<double> heights_;
   bool is_simple_ = false;
   mutable std::vector<int> leaves_;
+  std::vector<Over> diagonals_;  ///< per pair of corners; empty for faces over a plane
 };
 
 Points Face::lifted(const Vector2d& from, const Vector2d& to, int n_segments) const {
@@ -411,30 +458,24 @@ std::vector<Diagonal> diagonals_of_split(const std::vector<SharedPolyline>& side
   if (diagonals.empty()) return diagonals;
   const Face face(sides);
   const FacePatch quad = associate_quad(sides);
+  const auto straight = [&](const Diagonal& diagonal) {
+    Points line(2, 3);
+    line << face.corner(diagonal.from).transpose(), face.corner(diagonal.to).transpose();
+    return line;
+  };
   std::vector<Points> curves;
   bool is_good = true;
   for (const Diagonal& diagonal : diagonals) {
-    if (quad.on_one_side(diagonal.from, diagonal.to)) {
-      is_good = false;
-      break;
-    }
-    curves.push_back(quad.patch.along(quad.parameters[at(diagonal.from)], quad.parameters[at(diagonal.to)],
-                                      kPointsOfDiagonal));
-    if (face.is_simple() && face.leaves(curves.back())) is_good = false;
+    const bool along_border = quad.on_one_side(diagonal.from, diagonal.to);
+    curves.push_back(along_border ? straight(diagonal)  // of H 6.4.2
+                                  : quad.patch.along(quad.parameters[at(diagonal.from)],
+                                                     quad.parameters[at(diagonal.to)], kPointsOfDiagonal));
+    if (face.is_simple() && (along_border || face.leaves(curves.back()))) is_good = false;
   }
-  if (!is_good) {
-    curves.clear();
-    for (const Diagonal& diagonal : diagonals) {
-      const Vector3d a = face.corner(diagonal.from), b = face.corner(diagonal.to);
-      if (face.is_simple()) {
-        curves.push_back(face.lifted(face.flat(a), face.flat(b), kPointsOfDiagonal));
-      } else {  // there is no plane to run over (H 6.4.2)
-        Points line(2, 3);
-        line << a.transpose(), b.transpose();
-        curves.push_back(std::move(line));
-      }
-    }
-  }
+  if (!is_good)
+    for (size_t d = 0; d < diagonals.size(); ++d)
+      curves[d] = face.lifted(face.flat(face.corner(diagonals[d].from)),
+                              face.flat(face.corner(diagonals[d].to)), kPointsOfDiagonal);
   for (size_t d = 0; d < diagonals.size(); ++d) {
     curves[d].row(0) = face.corner(diagonals[d].from).transpose();
     curves[d].row(curves[d].rows() - 1) = face.corner(diagonals[d].to).transpose();
