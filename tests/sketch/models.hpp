@@ -31,12 +31,16 @@ inline PolylineMesh model_of_cage(const PolygonMesh& cage, const CurveOfEdge& cu
       if (is_new) {
         SketchEdge edge;
         edge.vertices = {from, to};
-        edge.polyline = std::make_shared<Polyline>(curve(from, to));
+        Points points = curve(from, to);
+        for (const auto& [v, row] : {std::pair(from, Eigen::Index(0)), std::pair(to, points.rows() - 1)}) {
+          SketchVertex& vertex = vertices[static_cast<size_t>(v)];
+          if (vertex.edges.empty()) vertex.position = points.row(row);
+          points.row(row) = vertex.position.transpose();  // curves that differ by rounding meet exactly
+        }
+        edge.polyline = std::make_shared<Polyline>(points);
         edge.curve = e;
         edge.alive = true;
         for (const int v : {from, to}) vertices[static_cast<size_t>(v)].edges.push_back(e);
-        vertices[static_cast<size_t>(from)].position = edge.polyline->front();
-        vertices[static_cast<size_t>(to)].position = edge.polyline->back();
         edges.push_back(edge);
       }
       const bool backwards = edges[static_cast<size_t>(e)].vertices[0] != from;

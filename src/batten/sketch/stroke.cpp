@@ -251,8 +251,9 @@ Spline least_squares_spline(const std::vector<Sample>& samples, const std::vecto
 /// The spline with as few spans as follow the samples to within `tolerance` (root mean square per
 /// coordinate), at most one for every two samples: more would swing between them.
 Spline fitted_spline(const std::vector<Sample>& samples, const std::vector<Sample>& held, bool periodic,
-                     double tolerance, double bending) {
+                     const FitAims& aims) {
   Spline best;
+  const int most_spans = static_cast<int>(samples.size()) / (aims.noisy ? 4 : 1);
   double closest_holds = 1;
   for (size_t i = 0; i < held.size(); ++i)
     for (size_t j = 0; j < i; ++j) {
@@ -261,16 +262,17 @@ Spline fitted_spline(const std::vector<Sample>& samples, const std::vector<Sampl
       closest_holds = std::min(closest_holds, gap);
     }
   for (int spans = periodic ? 8 : 4; spans <= 128; spans *= 2) {
-    best = least_squares_spline(samples, held, spans, periodic, bending);
+    best = least_squares_spline(samples, held, spans, periodic, aims.bending);
     double squares = 0, weights = 0, worst_hold = 0;
     for (const Sample& sample : samples) {
       squares += sample.weight * (best.at(sample.t) - sample.point).squaredNorm();
       weights += sample.weight;
     }
     for (const Sample& hold : held) worst_hold = std::max(worst_hold, (best.at(hold.t) - hold.point).norm());
-    const bool holds = best.control.allFinite() && worst_hold <= tolerance && closest_holds * spans >= 0.5;
-    const bool follows = squares <= 3 * tolerance * tolerance * weights;
-    if (holds && (follows || 4 * spans > static_cast<int>(samples.size()))) break;
+    const bool holds =
+        best.control.allFinite() && worst_hold <= aims.tolerance && closest_holds * spans >= 0.5;
+    const bool follows = squares <= aims.tolerance * aims.tolerance * weights;
+    if (holds && (follows || (aims.noisy ? spans > most_spans : spans >= most_spans))) break;
   }
   return best;
 }
@@ -356,10 +358,12 @@ Stroke prepare_stroke(const Points& points, const StrokeOptions& options) {
 FittedStroke fit_stroke(const Stroke& stroke, const std::vector<HeldPoint>& held) {
   const std::vector<double> arcs = stroke.arcs();
   const double length = arcs.back();
-  const double tolerance = std::max(0.8 * stroke.noise, kFitError * length);
+  // Noise is that of one coordinate of three.
+  const double noise = std::sqrt(3.0) * 0.8 * stroke.noise;
   // A trace of bending keeps spans without samples straight, too weak to be seen where there are some. Where
   // there is noise it must be dearer than to swing through it.
-  const double bending = std::clamp(0.1 * stroke.noise / length, 1e-9, 1e-4);
+  const FitAims aims{std::max(noise, kFitError * length), std::clamp(0.1 * stroke.noise / length, 1e-9, 1e-4),
+                     noise > kFitError * length};
   const ArcWalk walk(stroke);
   const double spacing = length / static_cast<double>(stroke.points.rows());
   FittedStroke result;
@@ -442,7 +446,7 @@ FittedStroke fit_stroke(const Stroke& stroke, const std::vector<HeldPoint>& held
                                                                     : arcs[static_cast<size_t>(i)];
       samples.push_back({s / span, (after - before) / (2 * span), stroke.points.row(i)});
     }
-    const Spline spline = fitted_spline(samples, holds, periodic, tolerance, bending);
+    const Spline spline = fitted_spline(samples, holds, periodic, aims);
     for (size_t k = begin; k < end; ++k) {
       const double t0 = (distance_of(stops[k]) - start) / span,
                    t1 = (distance_of(stops[k + 1]) - start) / span;

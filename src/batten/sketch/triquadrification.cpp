@@ -104,6 +104,13 @@ class Face {
   /// Whether the face lies over a plane: its outline, seen along the normal, does not cross itself, and it
   /// is not bent as far as half a tube. Then inside and outside are known.
   bool is_simple() const { return is_simple_; }
+  /// Whether the outline, seen along the normal, is not convex. @pre is_simple().
+  bool has_reflex_corner() const {
+    for (int k = 0; k < n_; ++k)
+      if (interior_angle(out_[at(k)], back_[at((k + n_ - 1) % n_)], normal_) > kPi + kReflex * kPi / 180)
+        return true;
+    return false;
+  }
   Vector2d flat(const Vector3d& p) const { return {(p - origin_).dot(first_), (p - origin_).dot(second_)}; }
 
   /// Flaws of the diagonal between two corners; sides have none.
@@ -464,7 +471,9 @@ std::vector<Diagonal> diagonals_of_split(const std::vector<SharedPolyline>& side
     return line;
   };
   std::vector<Points> curves;
-  bool is_good = true;
+  // The patch maps a straight side of its square onto a side with a reflex corner: it may stay within the
+  // face and still be far from what its outline suggests.
+  bool is_good = !face.is_simple() || !face.has_reflex_corner();
   for (const Diagonal& diagonal : diagonals) {
     const bool along_border = quad.on_one_side(diagonal.from, diagonal.to);
     curves.push_back(along_border ? straight(diagonal)  // of H 6.4.2

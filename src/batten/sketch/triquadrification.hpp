@@ -58,9 +58,9 @@ struct Diagonal {
 
 /// The curves of the diagonals of a division, each once, in the order in which the parts name them: lines of
 /// the Coons patch of the associated quad (H 6.1.2). Where one of them would run along the border or leave
-/// the face, all run straight in the plane of the face, at the heights that a quadric fitted to the border
-/// and the mean value interpolation (Floater 2003) of what it leaves there give; on faces that lie over no
-/// plane, straight in space those that would run along the border.
+/// the face, or the face has a reflex corner, all run straight in the plane of the face, at the heights that
+/// a quadric fitted to the border and the mean value interpolation (Floater 2003) of what it leaves there
+/// give; on faces that lie over no plane, straight in space those that would run along the border.
 std::vector<Diagonal> diagonals_of_split(const std::vector<SharedPolyline>& sides, const FaceSplit& split);
 
 }  // namespace batten
