@@ -226,7 +226,7 @@ TEST(SplitFace, CutsFacesOfVeryManySidesDownFirst) {
 TEST(DiagonalsOfSplit, AreThoseOfThePartsAndRunFromCornerToCorner) {
   const auto sides = sides_over(flat, kCross);
   const FaceSplit split = split_face(sides);
-  const std::vector<Diagonal> diagonals = diagonals_of_split(sides, split);
+  const std::vector<Diagonal> diagonals = diagonals_of_split(sides, split).diagonals;
   ASSERT_EQ(diagonals.size(), 4u);
   std::set<std::pair<int, int>> ends;
   for (const Diagonal& diagonal : diagonals) {
@@ -248,7 +248,7 @@ TEST(DiagonalsOfSplit, FollowTheBendOfTheFace) {
   for (const auto& corners :
        {kCross, std::vector<Vector2d>{{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}}}) {
     const auto sides = sides_over(quadric, corners, 400);
-    for (const Diagonal& diagonal : diagonals_of_split(sides, split_face(sides)))
+    for (const Diagonal& diagonal : diagonals_of_split(sides, split_face(sides)).diagonals)
       for (Eigen::Index i = 0; i < diagonal.polyline->n_points(); ++i) {
         const Vector3d p = diagonal.polyline->points().row(i);
         EXPECT_NEAR(p.z(), quadric(p.head<2>()).z(), 2e-3);
@@ -261,7 +261,7 @@ TEST(DiagonalsOfSplit, FollowTheBendOfTheFace) {
     pentagon.emplace_back(0.5 * std::cos(0.4 * kPi * k), 0.5 * std::sin(0.4 * kPi * k));
   const auto sides = sides_over(sphere, pentagon);
   double sag = 0, straight = 0;
-  for (const Diagonal& diagonal : diagonals_of_split(sides, split_face(sides))) {
+  for (const Diagonal& diagonal : diagonals_of_split(sides, split_face(sides)).diagonals) {
     const Vector3d middle = diagonal.polyline->at(diagonal.polyline->length() / 2);
     sag = std::max(sag, std::abs(middle.norm() - 1));
     straight =

@@ -70,9 +70,33 @@ double length_of(const PolylineMesh& mesh, const std::vector<int>& loop) {
   return sum;
 }
 
+/// A face in which holes were cut, as it was before.
+struct Whole {
+  std::shared_ptr<const CoonsPatch> patch;
+  std::map<int, Vector2d> parameters;  ///< per vertex of the model
+};
+
+/// A line over a patch between two points that need not lie on it: what is missing at the ends is spread.
+SharedPolyline line_over(const CoonsPatch& patch, const Vector2d& from, const Vector2d& to,
+                         const Vector3d& first, const Vector3d& last) {
+  Points points = patch.along(from, to, kPointsOfTie);
+  const Eigen::RowVector3d off_first = first.transpose() - points.row(0);
+  const Eigen::RowVector3d off_last = last.transpose() - points.row(kPointsOfTie);
+  for (int i = 0; i <= kPointsOfTie; ++i) {
+    const double t = static_cast<double>(i) / kPointsOfTie;
+    points.row(i) += (1 - t) * off_first + t * off_last;
+  }
+  points.row(0) = first.transpose();
+  points.row(kPointsOfTie) = last.transpose();
+  return std::make_shared<Polyline>(std::move(points));
+}
+
 /// Curves for the ties of the holes: per edge of the model, null for those that are kept.
-std::vector<SharedPolyline> laid_ties(const PolylineMesh& mesh) {
+/// @param wholes per face of the model the whole that it is a part of, or null.
+std::vector<SharedPolyline> laid_ties(const PolylineMesh& mesh,
+                                      std::vector<std::shared_ptr<const Whole>>& wholes) {
   std::vector<SharedPolyline> laid(mesh.edges().size());
+  wholes.assign(mesh.faces().size(), nullptr);
   std::vector<char> seen(mesh.faces().size(), 0);
   for (size_t f = 0; f < mesh.faces().size(); ++f) {
     if (!mesh.faces()[f].alive || seen[f] != 0) continue;
@@ -91,25 +115,22 @@ std::vector<SharedPolyline> laid_ties(const PolylineMesh& mesh) {
       sides.push_back(along(mesh, side));
     }
     const FacePatch patch = associate_quad(sides);
+    const auto whole = std::make_shared<Whole>();
+    whole->patch = std::make_shared<CoonsPatch>(patch.patch);
+    for (const auto& [vertex, corner] : corner_of) whole->parameters[vertex] = patch.parameters[at(corner)];
+    for (const int face : faces) {
+      wholes[at(face)] = whole;
+      for (const int side : mesh.face(face).sides) {
+        const int v = mesh.start_of(side);
+        if (whole->parameters.count(v) == 0)
+          whole->parameters[v] = patch.patch.nearest(mesh.vertex(v).position);
+      }
+    }
     for (const int tie : ties) {
       const SketchEdge& edge = mesh.edge(tie);
-      std::array<Vector2d, 2> ends;
-      for (size_t k = 0; k < 2; ++k) {
-        const auto corner = corner_of.find(edge.vertices[k]);
-        ends[k] = corner != corner_of.end() ? patch.parameters[at(corner->second)]
-                                            : patch.patch.nearest(mesh.vertex(edge.vertices[k]).position);
-      }
-      Points points = patch.patch.along(ends[0], ends[1], kPointsOfTie);
-      // The hole need not lie on the patch: what is missing at the ends is spread over the tie.
-      const Eigen::RowVector3d first = edge.polyline->front().transpose() - points.row(0);
-      const Eigen::RowVector3d last = edge.polyline->back().transpose() - points.row(kPointsOfTie);
-      for (int i = 0; i <= kPointsOfTie; ++i) {
-        const double t = static_cast<double>(i) / kPointsOfTie;
-        points.row(i) += (1 - t) * first + t * last;
-      }
-      points.row(0) = edge.polyline->front().transpose();
-      points.row(kPointsOfTie) = edge.polyline->back().transpose();
-      laid[at(tie)] = std::make_shared<Polyline>(std::move(points));
+      laid[at(tie)] =
+          line_over(patch.patch, whole->parameters.at(edge.vertices[0]),
+                    whole->parameters.at(edge.vertices[1]), edge.polyline->front(), edge.polyline->back());
     }
   }
   return laid;
@@ -140,7 +161,8 @@ BaseMesh triquadrified(const PolylineMesh& mesh, SplitSearch search) {
   }
   if (!has_faces) throw InvalidInput("the model has no faces; insert a closed curve first");
 
-  const std::vector<SharedPolyline> ties = laid_ties(mesh);
+  std::vector<std::shared_ptr<const Whole>> wholes;
+  const std::vector<SharedPolyline> ties = laid_ties(mesh, wholes);
   base.edges_of_edge.resize(mesh.edges().size());
   const auto add = [&](int from, int to, SharedPolyline polyline, double sharpness, bool drawn) {
     base.edges.push_back({from, to, std::move(polyline), sharpness, drawn});
@@ -182,19 +204,46 @@ BaseMesh triquadrified(const PolylineMesh& mesh, SplitSearch search) {
       corners.push_back((side & 1) != 0 ? edge.to : edge.from);
     }
     const FaceSplit split = split_face(curves, search);
+    FaceDiagonals diagonals = diagonals_of_split(curves, split);
+    // The inside follows the patch of the whole: that of the face before a hole was cut, or of the divided
+    // face, whose diagonals then do not show.
+    std::shared_ptr<const CoonsPatch> patch;
+    std::vector<Vector2d> parameters;
+    std::vector<char> is_line(at(n), 1);
+    if (wholes[f] && face.sides.size() == sides.size()) {
+      patch = wholes[f]->patch;
+      for (const int side : face.sides) parameters.push_back(wholes[f]->parameters.at(mesh.start_of(side)));
+      for (int k = 0; k < n; ++k) {
+        // Drawn sides run along the border of the patch or around the hole.
+        const Vector2d &p = parameters[at(k)], &q = parameters[at((k + 1) % n)];
+        const bool along_border =
+            (p.x() == q.x() && (p.x() == 0 || p.x() == 1)) || (p.y() == q.y() && (p.y() == 0 || p.y() == 1));
+        is_line[at(k)] = !mesh.edge(edge_of(face.sides[at(k)])).drawn || along_border;
+      }
+      for (Diagonal& diagonal : diagonals.diagonals)
+        diagonal.polyline = line_over(*patch, parameters[at(diagonal.from)], parameters[at(diagonal.to)],
+                                      curves[at(diagonal.from)]->front(), curves[at(diagonal.to)]->front());
+    } else if (diagonals.patch) {
+      patch = std::make_shared<CoonsPatch>(diagonals.patch->patch);
+      parameters = diagonals.patch->parameters;
+    }
     std::map<std::pair<int, int>, int> diagonal_between;
-    for (const Diagonal& diagonal : diagonals_of_split(curves, split))
+    for (const Diagonal& diagonal : diagonals.diagonals)
       diagonal_between[{diagonal.from, diagonal.to}] =
           add(corners[at(diagonal.from)], corners[at(diagonal.to)], diagonal.polyline, 0, false);
     for (const std::vector<int>& part : split.parts) {
       BaseFace& own = base.faces.emplace_back();
       own.face = static_cast<int>(f);
+      own.patch = patch;
       for (size_t k = 0; k < part.size(); ++k) {
         const int i = part[k], j = part[(k + 1) % part.size()];
         const auto found = diagonal_between.find(std::minmax(i, j));
-        own.sides.push_back((i + 1) % n == j || found == diagonal_between.end()
-                                ? sides[at(i)]
-                                : side_of(found->second, i > j));
+        const bool is_side = (i + 1) % n == j || found == diagonal_between.end();
+        own.sides.push_back(is_side ? sides[at(i)] : side_of(found->second, i > j));
+        if (patch) {
+          own.parameters.push_back(parameters[at(i)]);
+          own.is_line.push_back(is_side ? is_line[at(i)] : char(1));
+        }
       }
     }
     if (split.parts.size() > 1) {

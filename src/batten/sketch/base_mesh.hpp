@@ -1,4 +1,5 @@
 #pragma once
+#include <memory>
 #include <vector>
 
 #include <Eigen/Core>
@@ -20,6 +21,12 @@ struct BaseEdge {
 struct BaseFace {
   std::vector<int> sides;  ///< three or four, as side_of() numbers them, counter-clockwise
   int face = 0;            ///< face of the model in which it lies
+  /// The Coons patch of the whole that it is a part of: of the divided face, or of the face in which a hole
+  /// was cut; null for a face that is no part. It says how the inside bends; the sides have the last word.
+  std::shared_ptr<const CoonsPatch> patch;
+  std::vector<Eigen::Vector2d> parameters;  ///< of the patch, per corner
+  /// Per side: it runs straight over the parameters of the patch; else only near it.
+  std::vector<char> is_line;
 };
 
 /// The base mesh of H 6.1: the model with its faces divided into triangles and quads. Two edges may join the

@@ -41,17 +41,25 @@ struct Line {
   Points samples;             ///< kPointsOfEdge m + 1, at equal distances
 };
 
-Line reversed_line(const Line& line) {
-  return {{line.vertices.rbegin(), line.vertices.rend()}, Points(line.samples.colwise().reverse())};
+/// What is blended over a part: columns 3 and 4 are parameters of the patch of the whole, columns 0 to 2 how
+/// far the place is from that patch. Without a patch parameters are zero, and it is the place itself.
+using Values = Eigen::Matrix<double, Eigen::Dynamic, 5, Eigen::RowMajor>;
+using Value = Eigen::Matrix<double, 1, 5>;
+
+/// A line as one of its faces sees it.
+struct Side {
+  std::vector<int> vertices;
+  Values values;
+};
+
+Side reversed_side(const Side& side) {
+  return {{side.vertices.rbegin(), side.vertices.rend()}, Values(side.values.colwise().reverse())};
 }
 
-/// The first or second half.
-Line half_of(const Line& line, bool second) {
-  const size_t m = (line.vertices.size() - 1) / 2;
-  const Index n = (line.samples.rows() - 1) / 2;
-  const auto first = line.vertices.begin() + static_cast<std::ptrdiff_t>(second ? m : 0);
-  return {{first, first + static_cast<std::ptrdiff_t>(m) + 1},
-          line.samples.middleRows(second ? n : 0, n + 1)};
+Side first_half(const Side& side) {
+  const size_t m = (side.vertices.size() - 1) / 2;
+  return {{side.vertices.begin(), side.vertices.begin() + static_cast<std::ptrdiff_t>(m) + 1},
+          side.values.topRows((side.values.rows() - 1) / 2 + 1)};
 }
 
 /// The points of a polyline between two arc lengths, both ends given.
@@ -91,13 +99,10 @@ class BasicRefinement {
       if (f % 64 == 0)
         progress.report("refine", static_cast<double>(f) / static_cast<double>(base.faces.size()));
       const BaseFace& face = base.faces[f];
-      std::vector<Line> sides;
-      for (const int side : face.sides) {
-        const Line& line = lines_[at(edge_of(side))];
-        sides.push_back((side & 1) != 0 ? reversed_line(line) : line);
-      }
+      std::vector<Side> sides;
+      for (size_t k = 0; k < face.sides.size(); ++k) sides.push_back(side_of_face(face, k));
       if (sides.size() == 4)
-        fill(sides[0], sides[1], reversed_line(sides[2]), reversed_line(sides[3]), face.face);
+        fill(sides[0], sides[1], reversed_side(sides[2]), reversed_side(sides[3]), face);
       else
         refine_triangle(face, sides);
     }
@@ -137,62 +142,104 @@ class BasicRefinement {
     return line;
   }
 
-  /// A line of new vertices inside a face, between two that are there.
-  Line inner_line(int from, int to, Points samples) {
-    const int m = static_cast<int>(samples.rows() - 1) / kPointsOfEdge;
-    samples.row(0) = positions_[at(from)].transpose();
-    samples.row(samples.rows() - 1) = positions_[at(to)].transpose();
-    Line line{{from}, std::move(samples)};
-    for (int k = 1; k < m; ++k) line.vertices.push_back(add(line.samples.row(kPointsOfEdge * k), false));
-    line.vertices.push_back(to);
-    add_polylines(line);
-    return line;
+  /// A side with what is blended from it.
+  Side side_of_face(const BaseFace& face, size_t k) const {
+    const Line& line = lines_[at(edge_of(face.sides[k]))];
+    const bool backwards = (face.sides[k] & 1) != 0;
+    Side side{line.vertices, Values::Zero(line.samples.rows(), 5)};
+    side.values.leftCols<3>() = line.samples;
+    if (backwards) side = reversed_side(side);
+    if (!face.patch) return side;
+    const Index n = side.values.rows() - 1;
+    const Eigen::Vector2d &from = face.parameters[k], &to = face.parameters[(k + 1) % face.parameters.size()];
+    for (Index i = 0; i <= n; ++i) {
+      const double t = static_cast<double>(i) / static_cast<double>(n);
+      const Vector3d place = side.values.row(i).head<3>();
+      const Eigen::Vector2d parameters = i == 0            ? from
+                                         : i == n          ? to
+                                         : face.is_line[k] ? Eigen::Vector2d((1 - t) * from + t * to)
+                                                           : face.patch->nearest(place);
+      side.values.row(i) << (place - face.patch->at(parameters.x(), parameters.y())).transpose(),
+          parameters.transpose();
+    }
+    return side;
   }
 
-  void add_polylines(const Line& line) {
+  static Eigen::RowVector3d place_of(const Value& value, const BaseFace& face) {
+    Eigen::RowVector3d place = value.head<3>();
+    if (face.patch)
+      place += face.patch->at(std::clamp(value(3), 0.0, 1.0), std::clamp(value(4), 0.0, 1.0)).transpose();
+    return place;
+  }
+
+  /// A line of new vertices inside a face, between two that are there.
+  Side inner_side(int from, int to, Values values, const BaseFace& face) {
+    const auto m = static_cast<int>(values.rows() - 1) / kPointsOfEdge;
+    Side side{{from}, std::move(values)};
+    for (int k = 1; k < m; ++k)
+      side.vertices.push_back(add(place_of(side.values.row(kPointsOfEdge * k), face).transpose(), false));
+    side.vertices.push_back(to);
+    add_polylines(side, face);
+    return side;
+  }
+
+  void add_polylines(const Side& side, const BaseFace& face) {
     if (!with_polylines_) return;
-    for (size_t k = 0; k + 1 < line.vertices.size(); ++k)
-      surface_.refined.polylines.push_back(
-          {line.vertices[k], line.vertices[k + 1],
-           line.samples.middleRows(kPointsOfEdge * static_cast<Index>(k), kPointsOfEdge + 1)});
+    for (size_t k = 0; k + 1 < side.vertices.size(); ++k) {
+      const int from = side.vertices[k], to = side.vertices[k + 1];
+      Points points(kPointsOfEdge + 1, 3);
+      for (int i = 1; i < kPointsOfEdge; ++i)
+        points.row(i) = place_of(side.values.row(kPointsOfEdge * static_cast<Index>(k) + i), face);
+      points.row(0) = positions_[at(from)].transpose();
+      points.row(kPointsOfEdge) = positions_[at(to)].transpose();
+      surface_.refined.polylines.push_back({from, to, std::move(points)});
+    }
   }
 
   /// H 6.2: a triangle is a patch with a side without length; three lines run from its centre to the middles
   /// of its sides.
-  void refine_triangle(const BaseFace& face, const std::vector<Line>& sides) {
-    std::vector<SharedPolyline> curves;
-    for (const int side : face.sides) curves.push_back(surface_.base.polyline_of(side));
-    const auto pole = static_cast<size_t>(
-        pole_of_triangle({curves[0]->length(), curves[1]->length(), curves[2]->length()}));
-    const CoonsPatch patch = associate_quad(curves).patch;
-    const Eigen::Vector2d middle(0.5, 0.5);
-    const int centre = add(patch.at(0.5, 0.5), false);
+  void refine_triangle(const BaseFace& face, const std::vector<Side>& sides) {
+    std::array<double, 3> lengths{};
+    for (size_t k = 0; k < 3; ++k)
+      lengths[k] = surface_.base.edges[at(edge_of(face.sides[k]))].polyline->length();
+    const auto pole = static_cast<size_t>(pole_of_triangle(lengths));
     // From the pole on the sides lie along u = 1, v = 1 and u = 0.
-    const std::array<Eigen::Vector2d, 3> ends{Eigen::Vector2d(1, 0.5), Eigen::Vector2d(0.5, 1),
-                                              Eigen::Vector2d(0, 0.5)};
-    std::array<Line, 3> spokes;  // from the middle of side k to the centre
+    const Values& right = sides[pole].values;
+    const Values high = sides[(pole + 1) % 3].values.colwise().reverse();
+    const Values left = sides[(pole + 2) % 3].values.colwise().reverse();
+    const Index n = right.rows() - 1;
+    const auto patch = [&](Index i, Index j) -> Value {
+      const double u = static_cast<double>(i) / static_cast<double>(n),
+                   v = static_cast<double>(j) / static_cast<double>(n);
+      return v * high.row(i) + (1 - u) * left.row(j) + u * right.row(j) - (1 - u) * v * left.row(n) -
+             u * v * right.row(n);
+    };
+    const Index half = n / 2;
+    const int centre = add(place_of(patch(half, half), face).transpose(), false);
+    std::array<Side, 3> spokes;  // from the middle of side k to the centre
     for (size_t k = 0; k < 3; ++k) {
+      Values values(half + 1, 5);
+      for (Index i = 0; i <= half; ++i)
+        values.row(i) = k == 0 ? patch(n - i, half) : k == 1 ? patch(half, n - i) : patch(i, half);
       const size_t side = (pole + k) % 3;
-      spokes[side] = inner_line(sides[side].vertices[at(m_ / 2)], centre,
-                                patch.along(ends[k], middle, kPointsOfEdge * m_ / 2));
+      spokes[side] = inner_side(sides[side].vertices[at(m_ / 2)], centre, std::move(values), face);
     }
     for (size_t k = 0; k < 3; ++k) {  // the quad at the corner where side k begins
       const size_t before = (k + 2) % 3;
-      fill(half_of(sides[k], false), spokes[k], spokes[before], half_of(reversed_line(sides[before]), false),
-           face.face);
+      fill(first_half(sides[k]), spokes[k], spokes[before], first_half(reversed_side(sides[before])), face);
     }
   }
 
-  /// The grid over a quad from its lower, right, upper and left line, the upper one and the left one against
+  /// The grid over a quad from its lower, right, upper and left side, the upper one and the left one against
   /// the sense of the walk around the quad.
-  void fill(const Line& low, const Line& right, const Line& high, const Line& left, int face) {
+  void fill(const Side& low, const Side& right, const Side& high, const Side& left, const BaseFace& face) {
     const int m = static_cast<int>(low.vertices.size()) - 1, n = kPointsOfEdge * m;
-    const Eigen::RowVector3d p00 = low.samples.row(0), p10 = low.samples.row(n), p01 = high.samples.row(0),
-                             p11 = high.samples.row(n);
-    const auto patch = [&](int i, int j) -> Eigen::RowVector3d {
+    const Value p00 = low.values.row(0), p10 = low.values.row(n), p01 = high.values.row(0),
+                p11 = high.values.row(n);
+    const auto patch = [&](int i, int j) -> Value {
       const double u = static_cast<double>(i) / n, v = static_cast<double>(j) / n;
-      return (1 - v) * low.samples.row(i) + v * high.samples.row(i) + (1 - u) * left.samples.row(j) +
-             u * right.samples.row(j) - (1 - u) * (1 - v) * p00 - u * (1 - v) * p10 - (1 - u) * v * p01 -
+      return (1 - v) * low.values.row(i) + v * high.values.row(i) + (1 - u) * left.values.row(j) +
+             u * right.values.row(j) - (1 - u) * (1 - v) * p00 - u * (1 - v) * p10 - (1 - u) * v * p01 -
              u * v * p11;
     };
     Eigen::MatrixXi grid(m + 1, m + 1);
@@ -204,19 +251,16 @@ class BasicRefinement {
     }
     for (int j = 1; j < m; ++j)
       for (int i = 1; i < m; ++i)
-        grid(i, j) = add(patch(kPointsOfEdge * i, kPointsOfEdge * j).transpose(), false);
+        grid(i, j) = add(place_of(patch(kPointsOfEdge * i, kPointsOfEdge * j), face).transpose(), false);
     if (with_polylines_)
       for (const bool across : {false, true})
         for (int j = 1; j < m; ++j) {
-          Line line;
-          line.samples.resize(n + 1, 3);
+          Side side;
+          side.values.resize(n + 1, 5);
           for (int i = 0; i <= n; ++i)
-            line.samples.row(i) = across ? patch(kPointsOfEdge * j, i) : patch(i, kPointsOfEdge * j);
-          for (int i = 0; i <= m; ++i) {
-            line.vertices.push_back(across ? grid(j, i) : grid(i, j));
-            line.samples.row(kPointsOfEdge * i) = positions_[at(line.vertices.back())].transpose();
-          }
-          add_polylines(line);
+            side.values.row(i) = across ? patch(kPointsOfEdge * j, i) : patch(i, kPointsOfEdge * j);
+          for (int i = 0; i <= m; ++i) side.vertices.push_back(across ? grid(j, i) : grid(i, j));
+          add_polylines(side, face);
         }
     PolygonMesh& mesh = surface_.refined.mesh;
     for (int j = 0; j < m; ++j)
@@ -228,7 +272,7 @@ class BasicRefinement {
         const int first = upper_half ? (right_half ? 2 : 3) : (right_half ? 1 : 0);
         for (int k = 0; k < 4; ++k) mesh.corners.push_back(walk[(first + k) % 4]);
         mesh.offsets.push_back(static_cast<int>(mesh.corners.size()));
-        surface_.face_of_quad.push_back(face);
+        surface_.face_of_quad.push_back(face.face);
       }
   }
 
@@ -323,7 +367,12 @@ CoonsSurface coons_surface(const PolylineMesh& mesh, const CoonsOptions& options
   on_curve.resize(static_cast<size_t>(n), 0);
   Points start = surface.fine.positions;
   start.topRows(surface.refined.mesh.positions.rows()) = surface.refined.mesh.positions;
-  detail::require_sound(surface.fine, surface.face_of_fine, on_curve, start);
+  try {
+    detail::require_sound(surface.fine, surface.face_of_fine, on_curve, start);
+  } catch (const InvalidInput& refusal) {
+    if (!ends_in_catmull_clark(options.scheme) || !options.through_curves) throw;
+    throw InvalidInput(concat(refusal.what(), "; or let the surface pass its curves by (approximate)"));
+  }
   return surface;
 }
 

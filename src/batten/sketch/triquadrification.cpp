@@ -454,17 +454,18 @@ SplitCost cost_of_split(const std::vector<SharedPolyline>& sides,
   return cost_with_diagonals(Face(sides), parts);
 }
 
-std::vector<Diagonal> diagonals_of_split(const std::vector<SharedPolyline>& sides, const FaceSplit& split) {
-  std::vector<Diagonal> diagonals;
+FaceDiagonals diagonals_of_split(const std::vector<SharedPolyline>& sides, const FaceSplit& split) {
+  FaceDiagonals result;
+  std::vector<Diagonal>& diagonals = result.diagonals;
   const auto n = static_cast<int>(sides.size());
   for (const std::vector<int>& part : split.parts)
     for (size_t k = 0; k < part.size(); ++k) {
       const int i = part[k], j = part[(k + 1) % part.size()];
       if (i < j && j != i + 1 && !(i == 0 && j == n - 1)) diagonals.push_back({i, j, nullptr});
     }
-  if (diagonals.empty()) return diagonals;
+  if (diagonals.empty()) return result;
   const Face face(sides);
-  const FacePatch quad = associate_quad(sides);
+  FacePatch quad = associate_quad(sides);
   const auto straight = [&](const Diagonal& diagonal) {
     Points line(2, 3);
     line << face.corner(diagonal.from).transpose(), face.corner(diagonal.to).transpose();
@@ -473,9 +474,11 @@ std::vector<Diagonal> diagonals_of_split(const std::vector<SharedPolyline>& side
   std::vector<Points> curves;
   // The patch maps a straight side of its square onto a side with a reflex corner: it may stay within the
   // face and still be far from what its outline suggests.
+  bool any_along_border = false;
   bool is_good = !face.is_simple() || !face.has_reflex_corner();
   for (const Diagonal& diagonal : diagonals) {
     const bool along_border = quad.on_one_side(diagonal.from, diagonal.to);
+    any_along_border = any_along_border || along_border;
     curves.push_back(along_border ? straight(diagonal)  // of H 6.4.2
                                   : quad.patch.along(quad.parameters[at(diagonal.from)],
                                                      quad.parameters[at(diagonal.to)], kPointsOfDiagonal));
@@ -485,12 +488,14 @@ std::vector<Diagonal> diagonals_of_split(const std::vector<SharedPolyline>& side
     for (size_t d = 0; d < diagonals.size(); ++d)
       curves[d] = face.lifted(face.flat(face.corner(diagonals[d].from)),
                               face.flat(face.corner(diagonals[d].to)), kPointsOfDiagonal);
+  else if (!any_along_border)
+    result.patch = std::move(quad);
   for (size_t d = 0; d < diagonals.size(); ++d) {
     curves[d].row(0) = face.corner(diagonals[d].from).transpose();
     curves[d].row(curves[d].rows() - 1) = face.corner(diagonals[d].to).transpose();
     diagonals[d].polyline = std::make_shared<Polyline>(std::move(curves[d]));
   }
-  return diagonals;
+  return result;
 }
 
 }  // namespace batten

@@ -1,6 +1,8 @@
 #pragma once
+#include <optional>
 #include <vector>
 
+#include "batten/sketch/coons.hpp"
 #include "batten/sketch/polyline.hpp"
 
 namespace batten {
@@ -56,11 +58,18 @@ struct Diagonal {
   SharedPolyline polyline;
 };
 
-/// The curves of the diagonals of a division, each once, in the order in which the parts name them: lines of
-/// the Coons patch of the associated quad (H 6.1.2). Where one of them would run along the border or leave
-/// the face, or the face has a reflex corner, all run straight in the plane of the face, at the heights that
-/// a quadric fitted to the border and the mean value interpolation (Floater 2003) of what it leaves there
-/// give; on faces that lie over no plane, straight in space those that would run along the border.
-std::vector<Diagonal> diagonals_of_split(const std::vector<SharedPolyline>& sides, const FaceSplit& split);
+/// The diagonals of a division.
+struct FaceDiagonals {
+  std::vector<Diagonal> diagonals;  ///< each once, in the order in which the parts name them
+  /// The patch over which they run, where they do.
+  std::optional<FacePatch> patch;
+};
+
+/// The curves of the diagonals of a division: lines of the Coons patch of the associated quad (H 6.1.2).
+/// Where one of them would run along the border or leave the face, or the face has a reflex corner, all run
+/// straight in the plane of the face, at the heights that a quadric fitted to the border and the mean value
+/// interpolation (Floater 2003) of what it leaves there give; on faces that lie over no plane, straight in
+/// space those that would run along the border.
+FaceDiagonals diagonals_of_split(const std::vector<SharedPolyline>& sides, const FaceSplit& split);
 
 }  // namespace batten
