@@ -1,4 +1,5 @@
 #include "command.hpp"
+#include "coons_stage.hpp"
 
 #include <algorithm>
 #include <memory>
@@ -26,6 +27,7 @@ struct SketchArguments {
   std::string session, output, surface, method = "v2", step;
   int levels = 3, splits = 3;
   bool strict = false;
+  CoonsArguments coons;  // of method v1
 };
 
 std::string id(char kind, int number) {
@@ -139,6 +141,28 @@ Triangles cut_quads(const PolygonMesh& mesh) {
   return triangles;
 }
 
+void write_surface(const SketchArguments& arguments, TriangleMesh mesh, Json& figures, Outcome& outcome) {
+  const ScopedStage stage(outcome.times, "write");
+  write_mesh(arguments.surface, mesh);
+  figures["vertices"] = mesh.n_vertices();
+  figures["faces"] = mesh.n_triangles();
+  outcome.lines.push_back(
+      concat(arguments.surface, ": ", mesh.n_vertices(), " vertices, ", mesh.n_triangles(), " triangles"));
+  outcome.exhibit.mesh = std::move(mesh);
+}
+
+void write_patches(const SketchArguments& arguments, const Project& project, const ControlCage& cage,
+                   const Context& context, Json& figures, Outcome& outcome) {
+  const ScopedStage stage(outcome.times, "step");
+  const BsplineSurface patches = limit_bsplines(cage, {}, context.progress);
+  StepOptions step;
+  step.millimetres_per_unit = millimetres_in(project.unit);
+  write_file(arguments.step, format_step(patches, step));
+  figures["patches"] = patches.patches.size();
+  figures["step_deviation"] = patches.deviation;
+  outcome.lines.push_back(concat(arguments.step, ": ", patches.patches.size(), " patches"));
+}
+
 /// The surface of H 6.4 and what is written of it.
 void make_surface(const SketchArguments& arguments, const Project& project, const Context& context,
                   Outcome& outcome) {
@@ -179,24 +203,25 @@ void make_surface(const SketchArguments& arguments, const Project& project, cons
       mesh.normals = fine.limit_normals;
       mesh.triangles = cut_quads(fine.cage.mesh);
     }
-    const ScopedStage stage(outcome.times, "write");
-    write_mesh(arguments.surface, mesh);
-    figures["vertices"] = mesh.n_vertices();
-    figures["faces"] = mesh.n_triangles();
-    outcome.lines.push_back(
-        concat(arguments.surface, ": ", mesh.n_vertices(), " vertices, ", mesh.n_triangles(), " triangles"));
-    outcome.exhibit.mesh = std::move(mesh);
+    write_surface(arguments, std::move(mesh), figures, outcome);
   }
-  if (!arguments.step.empty()) {
-    const ScopedStage stage(outcome.times, "step");
-    const BsplineSurface patches = limit_bsplines(surface.cage, {}, context.progress);
-    StepOptions step;
-    step.millimetres_per_unit = millimetres_in(project.unit);
-    write_file(arguments.step, format_step(patches, step));
-    figures["patches"] = patches.patches.size();
-    figures["step_deviation"] = patches.deviation;
-    outcome.lines.push_back(concat(arguments.step, ": ", patches.patches.size(), " patches"));
+  if (!arguments.step.empty()) write_patches(arguments, project, surface.cage, context, figures, outcome);
+}
+
+/// The surface of H 6.1 to 6.3 and what is written of it.
+void make_coons_surface(const SketchArguments& arguments, const Project& project, const Context& context,
+                        Outcome& outcome) {
+  Json& figures = outcome.figures["surface"] = Json::object();
+  CoonsSurface surface =
+      run_coons_stage(arguments.coons, project.document.mesh(), arguments.levels, context, outcome, figures);
+  if (!arguments.surface.empty()) {
+    TriangleMesh mesh;
+    mesh.triangles = triangles_of(surface.fine);
+    mesh.positions = std::move(surface.fine.positions);
+    mesh.normals = std::move(surface.normals);
+    write_surface(arguments, std::move(mesh), figures, outcome);
   }
+  if (!arguments.step.empty()) write_patches(arguments, project, surface.cage, context, figures, outcome);
 }
 
 Outcome run_sketch(const SketchArguments& arguments, Context& context) {
@@ -233,7 +258,7 @@ Outcome run_sketch(const SketchArguments& arguments, Context& context) {
                                  counts.components == 1 ? "" : "s", ", ", counts.boundary_loops, " border",
                                  counts.boundary_loops == 1 ? "" : "s", ", genus ", counts.genus));
   if (!arguments.surface.empty() || !arguments.step.empty())
-    make_surface(arguments, project, context, outcome);
+    (arguments.method == "v1" ? make_coons_surface : make_surface)(arguments, project, context, outcome);
   const auto n_refused = outcome.figures["refused"].size();
   if (arguments.strict && n_refused > 0)
     outcome.failure =
@@ -249,23 +274,29 @@ void add_sketch(CLI::App& app) {
   const auto arguments = std::make_shared<SketchArguments>();
   CLI::App* command =
       add_command(app, "sketch", "Play a recorded sketching session into a model of curves and faces.",
-                  "batten sketch session.jsonl -o model.batten --json",
-                  [arguments](Context& context) { return run_sketch(*arguments, context); });
+                  "batten sketch session.jsonl -o model.batten --json", [arguments, &app](Context& context) {
+                    check_coons_arguments(*app.get_subcommand("sketch"), arguments->coons, arguments->method,
+                                          arguments->levels);
+                    return run_sketch(*arguments, context);
+                  });
   command->add_option("session", arguments->session, "Session (JSON lines), or a project (.batten)")
       ->required();
   command->add_option("-o,--output", arguments->output, "Project to write: .batten")->required();
   command->add_option("--surface", arguments->surface, "Surface to write: .ply, .obj, .off or .stl");
   command
-      ->add_option(
-          "--method", arguments->method,
-          "How the surface is made: v2, by diffusion of mean curvature, or curvature, by filling the network")
-      ->check(CLI::IsMember({"v2", "curvature"}));
-  command->add_option("--levels", arguments->levels, "Levels of Catmull-Clark subdivision after the flow")
+      ->add_option("--method", arguments->method,
+                   "How the surface is made: v2, by diffusion of mean curvature, v1, from Coons patches, or "
+                   "curvature, "
+                   "by filling the network")
+      ->check(CLI::IsMember({"v2", "v1", "curvature"}));
+  command->add_option("--levels", arguments->levels, "Levels of subdivision of the finished surface")
       ->check(CLI::Range(0, 6));
   command
-      ->add_option("--splits", arguments->splits, "Splits of the faces before the flow: 3 gives 16 n quads")
+      ->add_option("--splits", arguments->splits,
+                   "v2: splits of the faces before the flow: 3 gives 16 n quads")
       ->check(CLI::Range(1, 6));
   command->add_option("--step", arguments->step, "STEP file to write: the limit surface as B-spline patches");
+  add_coons_options(*command, arguments->coons);
   command->add_flag("--strict", arguments->strict, "Exit with 1 when an edit was refused");
 }
 

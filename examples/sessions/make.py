@@ -37,21 +37,6 @@ def curve(f, n=48):
     return [f(i / n) for i in range(n + 1)]
 
 
-def evenly(points, n):
-    """The same polyline, sampled as a pen that moves steadily would."""
-    arcs = [0.0]
-    for a, b in zip(points, points[1:]):
-        arcs.append(arcs[-1] + math.dist(a, b))
-    result, k = [], 0
-    for i in range(n + 1):
-        s = arcs[-1] * i / n
-        while k + 2 < len(arcs) and arcs[k + 1] < s:
-            k += 1
-        t = (s - arcs[k]) / (arcs[k + 1] - arcs[k])
-        result.append([x + (y - x) * t for x, y in zip(points[k], points[k + 1])])
-    return result
-
-
 def tremor(points, size, rng):
     """A hand: noise in every coordinate, ends left alone."""
     if size == 0:
@@ -182,9 +167,9 @@ def charger():
         return 2.2 * math.sqrt(max(1 - ((u - 0.5) / 0.5) ** 4, 0))
 
     s.insert(ring(6, 4, 0), closed=True)
-    across = [(-1 + 2 * i / 4000) for i in range(4001)]
-    s.insert(evenly([[6 * u, 0, height(abs(u))] for u in across], 160), snap=0.15)
-    s.insert(evenly([[0, 4 * u, height(abs(u))] for u in across], 160), snap=0.15)
+    across = [(-1 + 2 * i / 160) for i in range(161)]
+    s.insert([[6 * u, 0, height(abs(u))] for u in across], snap=0.15)
+    s.insert([[0, 4 * u, height(abs(u))] for u in across], snap=0.15)
     s.insert(ring(3, 2, 2.2), closed=True, snap=0.15, sharpness=1)  # the rim of the cavity
     s.insert(ring(1.5, 1, height(0.25)), closed=True, snap=0.15)
     y = 4 * (1 - (4 / 6) ** 4) ** 0.25  # on the outline at x = 4

@@ -5,7 +5,7 @@
 #include "batten/mesh/control_cage.hpp"
 #include "batten/sketch/polyline_mesh.hpp"
 
-// What the surfaces of a model share; all of it is in diffusion_surface.cpp.
+// What the surfaces of a model share; made in refined_mesh.cpp.
 namespace batten::detail {
 
 /// Moves the vertices of a cage of quads until its Catmull–Clark limit surface goes through `target`.
