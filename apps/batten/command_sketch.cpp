@@ -1,4 +1,5 @@
 #include "command.hpp"
+#include "model_surface.hpp"
 
 #include <algorithm>
 #include <memory>
@@ -11,20 +12,16 @@
 #include "batten/session/edit_json.hpp"
 #include "batten/session/journal.hpp"
 #include "batten/session/project.hpp"
-#include "batten/sketch/diffusion_surface.hpp"
-#include "batten/sketch/model_network.hpp"
 #include "batten/subdivision/bspline_surface.hpp"
 #include "batten/subdivision/step.hpp"
-#include "batten/subdivision/subdivide.hpp"
-#include "batten/surfacing/surface.hpp"
 
 namespace batten::cli {
 
 namespace {
 
 struct SketchArguments {
-  std::string session, output, surface, method = "v2", step;
-  int levels = 3, splits = 3;
+  std::string session, output, surface, step;
+  ModelSurfaceOptions options;
   bool strict = false;
 };
 
@@ -126,58 +123,34 @@ double millimetres_in(const std::string& unit) {
   return 1000 * one.value;
 }
 
-/// Quads as triangles, cut along the shorter diagonal.
-Triangles cut_quads(const PolygonMesh& mesh) {
-  Triangles triangles(2 * mesh.n_faces(), 3);
-  for (Eigen::Index f = 0; f < mesh.n_faces(); ++f) {
-    const int* c = &mesh.corners[static_cast<size_t>(mesh.offsets[static_cast<size_t>(f)])];
-    const auto p = [&](int k) { return mesh.positions.row(c[k]); };
-    const int first = (p(0) - p(2)).squaredNorm() <= (p(1) - p(3)).squaredNorm() ? 0 : 1;
-    triangles.row(2 * f) << c[first], c[first + 1], c[first + 2];
-    triangles.row(2 * f + 1) << c[first], c[first + 2], c[(first + 3) % 4];
-  }
-  return triangles;
-}
-
-/// The surface of H 6.4 and what is written of it.
+/// What is made of the model beside the project: a mesh with its measures, a STEP file.
 void make_surface(const SketchArguments& arguments, const Project& project, const Context& context,
                   Outcome& outcome) {
-  DiffusionOptions options;
-  options.splits = arguments.splits;
-  // Filling the network does not refine it any further, so it wants more samples along its curves.
-  if (arguments.method == "curvature") options.splits = std::min(options.splits + 1, 6);
-  const DiffusionSurface surface = diffusion_surface(project.document.mesh(), options, context.progress);
+  const PolylineMesh& model = project.document.mesh();
+  ModelSurface surface =
+      make_model_surface(model, arguments.options, !arguments.surface.empty(), context.progress);
   outcome.times.add(surface.times);
-  Json& figures = outcome.figures["surface"] = Json::object();
-  figures["quads"] = surface.refined.mesh.n_faces();
-  figures["last_move"] = surface.last_move;
+  outcome.warnings.insert(outcome.warnings.end(), surface.warnings.begin(), surface.warnings.end());
+  Json& figures = outcome.figures["surface"] = std::move(surface.figures);
   if (!arguments.surface.empty()) {
-    TriangleMesh mesh;
-    if (arguments.method == "curvature") {
-      SurfaceResult filled =
-          surface_network(network_of_model(project.document.mesh(), surface), {}, context.progress);
-      outcome.times.add(filled.times);
-      outcome.warnings.insert(outcome.warnings.end(), filled.warnings.begin(), filled.warnings.end());
-      figures["cycles"] = filled.n_cycles;
-      figures["folded_triangles"] = filled.folded_triangles;
-      mesh = std::move(filled.mesh);
-    } else {
-      const ScopedStage stage(outcome.times, "subdivision");
-      SubdivisionOptions subdivision;
-      subdivision.levels = arguments.levels;
-      subdivision.limit = true;
-      const SubdividedSurface fine = subdivide(surface.cage, subdivision, context.progress);
-      mesh.positions = fine.limit_positions;
-      mesh.normals = fine.limit_normals;
-      mesh.triangles = cut_quads(fine.cage.mesh);
+    {
+      const ScopedStage stage(outcome.times, "continuity");
+      const ModelContinuity continuity = model_continuity(model, surface.mesh, context.progress);
+      const double diameter = model.diameter();
+      figures["continuity"] = continuity_json(continuity, diameter);
+      if (continuity.smooth.n_samples > 0)
+        outcome.lines.push_back(concat("across smooth curves the normal jumps by ",
+                                       degrees(continuity.smooth.max_normal_jump), " degrees at most (c",
+                                       continuity.worst_curve, "), by ",
+                                       degrees(continuity.smooth.mean_normal_jump), " in the mean"));
     }
     const ScopedStage stage(outcome.times, "write");
-    write_mesh(arguments.surface, mesh);
-    figures["vertices"] = mesh.n_vertices();
-    figures["faces"] = mesh.n_triangles();
-    outcome.lines.push_back(
-        concat(arguments.surface, ": ", mesh.n_vertices(), " vertices, ", mesh.n_triangles(), " triangles"));
-    outcome.exhibit.mesh = std::move(mesh);
+    write_mesh(arguments.surface, surface.mesh);
+    figures["vertices"] = surface.mesh.n_vertices();
+    figures["faces"] = surface.mesh.n_triangles();
+    outcome.lines.push_back(concat(arguments.surface, ": ", surface.mesh.n_vertices(), " vertices, ",
+                                   surface.mesh.n_triangles(), " triangles"));
+    outcome.exhibit.mesh = std::move(surface.mesh);
   }
   if (!arguments.step.empty()) {
     const ScopedStage stage(outcome.times, "step");
@@ -249,13 +222,16 @@ void add_sketch(CLI::App& app) {
   command->add_option("--surface", arguments->surface, "Surface to write: .ply, .obj, .off or .stl");
   command
       ->add_option(
-          "--method", arguments->method,
+          "--method", arguments->options.method,
           "How the surface is made: v2, by diffusion of mean curvature, or curvature, by filling the network")
-      ->check(CLI::IsMember({"v2", "curvature"}));
-  command->add_option("--levels", arguments->levels, "Levels of Catmull-Clark subdivision after the flow")
+      ->check(CLI::IsMember(model_surface_methods()));
+  command
+      ->add_option("--levels", arguments->options.levels,
+                   "Levels of Catmull-Clark subdivision after the flow")
       ->check(CLI::Range(0, 6));
   command
-      ->add_option("--splits", arguments->splits, "Splits of the faces before the flow: 3 gives 16 n quads")
+      ->add_option("--splits", arguments->options.splits,
+                   "Splits of the faces before the flow: 3 gives 16 n quads")
       ->check(CLI::Range(1, 6));
   command->add_option("--step", arguments->step, "STEP file to write: the limit surface as B-spline patches");
   command->add_flag("--strict", arguments->strict, "Exit with 1 when an edit was refused");
