@@ -135,7 +135,8 @@ void make_surface(const SketchArguments& arguments, const Project& project, cons
   if (!arguments.surface.empty()) {
     {
       const ScopedStage stage(outcome.times, "continuity");
-      const ModelContinuity continuity = model_continuity(model, surface.mesh, context.progress);
+      const ModelContinuity continuity =
+          model_continuity(model, surface.mesh, arguments.options.splits, context.progress);
       const double diameter = model.diameter();
       figures["continuity"] = continuity_json(continuity, diameter);
       if (continuity.smooth.n_samples > 0)

@@ -1,7 +1,10 @@
 #include "model_surface.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
+
+#include <Eigen/Eigenvalues>
 
 #include "batten/core/text.hpp"
 #include "batten/core/units.hpp"
@@ -13,6 +16,10 @@
 namespace batten::cli {
 
 namespace {
+
+/// Directions of curves within this of a plane, rms, radians: a surface can be smooth there. They are taken
+/// over a twentieth of the edges, in which curves bend.
+constexpr double kFlat = 0.25;
 
 /// Quads as triangles, cut along the shorter diagonal.
 Triangles cut_quads(const PolygonMesh& mesh) {
@@ -52,6 +59,29 @@ Json figures_of(const CurveContinuity& c, double diameter) {
           {"worst", {c.worst.x(), c.worst.y(), c.worst.z()}}};
 }
 
+using Samples = std::vector<ContinuitySample>;
+
+/// Per vertex of the model: no surface through the curves is smooth there.
+std::vector<char> corner_vertices(const PolylineMesh& model) {
+  std::vector<char> corner(model.vertices().size(), 0);
+  for (size_t v = 0; v < corner.size(); ++v) {
+    const SketchVertex& vertex = model.vertices()[v];
+    if (!vertex.alive) continue;
+    Eigen::Matrix3d directions = Eigen::Matrix3d::Zero();
+    for (const int e : vertex.edges) {
+      const SketchEdge& edge = model.edge(e);
+      if (edge.sharpness > 0) corner[v] = 1;
+      if (!edge.drawn) continue;
+      const Eigen::Vector3d d = model.direction_of(side_of(e, edge.vertices[0] != static_cast<int>(v)));
+      directions += d * d.transpose();
+    }
+    // The rms angle of the directions with the plane that fits them best.
+    const double least = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(directions).eigenvalues()[0];
+    if (least > std::pow(kFlat, 2) * directions.trace()) corner[v] = 1;
+  }
+  return corner;
+}
+
 }  // namespace
 
 const std::vector<std::string>& model_surface_methods() {
@@ -84,7 +114,7 @@ ModelSurface make_model_surface(const PolylineMesh& model, const ModelSurfaceOpt
   return result;
 }
 
-ModelContinuity model_continuity(const PolylineMesh& model, const TriangleMesh& mesh,
+ModelContinuity model_continuity(const PolylineMesh& model, const TriangleMesh& mesh, int splits,
                                  const Progress& progress) {
   std::vector<int> edges;
   std::vector<Points> polylines;
@@ -95,37 +125,51 @@ ModelContinuity model_continuity(const PolylineMesh& model, const TriangleMesh& 
     polylines.push_back(edge.polyline->points());
   }
   // Ties take part all the same: they may be sharp, and then no neighbourhood should go over them.
-  const std::vector<CurveContinuity> measured =
+  const std::vector<Samples> measured =
       curve_continuity(mesh.positions, mesh.triangles, polylines, {}, progress);
+  const std::vector<char> corner = corner_vertices(model);
   ModelContinuity result;
-  std::map<int, std::vector<CurveContinuity>> of_curve;
+  std::map<int, Samples> of_curve;
   std::map<int, double> sharpness;
-  std::vector<CurveContinuity> smooth, sharp;
+  Samples smooth, corners, sharp;
   double worst = -1;
   for (size_t k = 0; k < edges.size(); ++k) {
     const SketchEdge& edge = model.edge(edges[k]);
     if (!edge.drawn || edge.faces[0] < 0 || edge.faces[1] < 0) continue;
-    of_curve[edge.curve].push_back(measured[k]);
     sharpness[edge.curve] = std::max(sharpness[edge.curve], edge.sharpness);
-    (edge.sharpness > 0 ? sharp : smooth).push_back(measured[k]);
-    if (edge.sharpness == 0 && measured[k].n_samples > 0 && measured[k].max_normal_jump > worst) {
-      worst = measured[k].max_normal_jump;
-      result.worst_curve = edge.curve;
+    const double piece = edge.polyline->length() / (1 << splits);
+    for (const ContinuitySample& sample : measured[k]) {
+      of_curve[edge.curve].push_back(sample);
+      const auto near = [&](int end, double distance) {
+        return corner[static_cast<size_t>(edge.vertices[static_cast<size_t>(end)])] && distance < piece;
+      };
+      if (edge.sharpness > 0) {
+        sharp.push_back(sample);
+      } else if (near(0, sample.arc) || near(1, edge.polyline->length() - sample.arc)) {
+        corners.push_back(sample);
+      } else {
+        smooth.push_back(sample);
+        if (sample.state != ContinuitySample::State::Measured || sample.normal_jump <= worst) continue;
+        worst = sample.normal_jump;
+        result.worst_curve = edge.curve;
+      }
     }
   }
-  for (const auto& [curve, pieces] : of_curve)
-    result.curves.push_back({curve, sharpness[curve], joint_continuity(pieces)});
-  result.smooth = joint_continuity(smooth);
-  result.sharp = joint_continuity(sharp);
+  for (const auto& [curve, samples] : of_curve)
+    result.curves.push_back({curve, sharpness[curve], continuity_figures(samples)});
+  result.smooth = continuity_figures(smooth);
+  result.corners = continuity_figures(corners);
+  result.sharp = continuity_figures(sharp);
   return result;
 }
 
 Json continuity_json(const ModelContinuity& continuity, double diameter) {
-  Json json = {{"smooth", nullptr}, {"sharp", nullptr}, {"curves", Json::array()}};
+  Json json = {{"smooth", nullptr}, {"corners", nullptr}, {"sharp", nullptr}, {"curves", Json::array()}};
   if (continuity.smooth.n_samples > 0) {
     json["smooth"] = figures_of(continuity.smooth, diameter);
     json["smooth"]["worst_curve"] = concat("c", continuity.worst_curve);
   }
+  if (continuity.corners.n_samples > 0) json["corners"] = figures_of(continuity.corners, diameter);
   if (continuity.sharp.n_samples > 0) json["sharp"] = figures_of(continuity.sharp, diameter);
   for (const ModelContinuity::CurveEntry& entry : continuity.curves) {
     Json figures = {{"id", concat("c", entry.curve)}, {"sharpness", entry.sharpness}};

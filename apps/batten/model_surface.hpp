@@ -44,12 +44,17 @@ struct ModelContinuity {
     CurveContinuity figures;
   };
   std::vector<CurveEntry> curves;  ///< those with a surface on both sides, by their numbers
-  CurveContinuity smooth, sharp;   ///< over the edges of sharpness 0, and over the others
+  CurveContinuity smooth;          ///< along edges of sharpness 0 but for what is near corners
   int worst_curve = -1;            ///< the smooth one with the largest normal jump, or −1
+  /// Along edges of sharpness 0 close to vertices where a sharp curve begins or the directions of the smooth
+  /// curves do not lie in a plane: no surface through the curves is smooth there.
+  CurveContinuity corners;
+  CurveContinuity sharp;
 };
 
-/// Measures along the drawn curves (ties that tools made are left out) and their pieces between vertices.
-ModelContinuity model_continuity(const PolylineMesh& model, const TriangleMesh& mesh,
+/// Measures along the drawn curves (ties that tools made are left out).
+/// @param splits those of the flow: "close to" is the first or last piece of an edge in 2^splits.
+ModelContinuity model_continuity(const PolylineMesh& model, const TriangleMesh& mesh, int splits,
                                  const Progress& progress);
 
 /// As --json has it: degrees, distances over the diameter and curvatures times the diameter.

@@ -24,8 +24,8 @@ using Eigen::Vector3d;
 constexpr double kOnCurve = 0.05;
 /// Step to either side of the curve at which the triangles of both sides are looked for.
 constexpr double kStep = 0.15;
-/// Vertices that a quadric wants: twice its six coefficients.
-constexpr int kFewestVertices = 12;
+/// Vertices that a quadric wants: half as many again as its six coefficients.
+constexpr int kFewestVertices = 9;
 /// Pivots of the fit, in units of the radius, whose ratio is below this say that the vertices lie along a
 /// curve.
 constexpr double kLeastPivot = 3e-3;
@@ -65,13 +65,6 @@ struct Curve {
   bool closed = false;
 };
 
-struct Sample {
-  double arc = 0;
-  enum class State { Measured, OneSided, Unfitted } state = State::Unfitted;
-  Vector3d point = Vector3d::Zero();
-  double distance = 0, gap = 0, normal_jump = 0, curvature_jump = 0;
-};
-
 class Measurement {
  public:
   Measurement(const Points& positions, const Triangles& triangles, const std::vector<Points>& curves,
@@ -101,7 +94,7 @@ class Measurement {
 
   double mean_edge() const { return mean_edge_; }
 
-  void measure(const Curve& curve, Sample& sample) const {
+  void measure(const Curve& curve, ContinuitySample& sample) const {
     const Vector3d drawn = curve.position(sample.arc);
     const ClosestPoint place = tree_.closest(drawn);
     sample.point = place.point;
@@ -127,14 +120,14 @@ class Measurement {
       const ClosestPoint seed = tree_.closest(aside);
       // On a border the nearest point is that of the curve again.
       if (sign * (seed.point - place.point).dot(across) < 0.1 * kStep * edge) {
-        sample.state = Sample::State::OneSided;
+        sample.state = ContinuitySample::State::OneSided;
         return;
       }
       fitted = fitted && fit_side(curve, sample.arc, place.point, tangent, sign * across,
                                   static_cast<int>(seed.element), edge, sides[side]);
     }
     if (!fitted) return;
-    sample.state = Sample::State::Measured;
+    sample.state = ContinuitySample::State::Measured;
     sample.gap = (sides[0].point - sides[1].point).norm();
     sample.normal_jump =
         std::atan2(sides[0].normal.cross(sides[1].normal).norm(), sides[0].normal.dot(sides[1].normal));
@@ -283,21 +276,23 @@ class Measurement {
 }  // namespace
 
 std::optional<std::string> ContinuityOptions::problem() const {
-  if (!(radius >= 2 && radius <= 20)) return concat("radius must be 2 to 20, got ", radius);
+  if (!(radius >= 1.5 && radius <= 20)) return concat("radius must be 1.5 to 20, got ", radius);
   if (max_samples < 1) return concat("max_samples must be at least 1, got ", max_samples);
   return std::nullopt;
 }
 
-std::vector<CurveContinuity> curve_continuity(const Points& positions, const Triangles& triangles,
-                                              const std::vector<Points>& curves,
-                                              const ContinuityOptions& options, const Progress& progress) {
+std::vector<std::vector<ContinuitySample>> curve_continuity(const Points& positions,
+                                                            const Triangles& triangles,
+                                                            const std::vector<Points>& curves,
+                                                            const ContinuityOptions& options,
+                                                            const Progress& progress) {
   if (const auto problem = options.problem()) throw InvalidInput(*problem);
   for (size_t c = 0; c < curves.size(); ++c) {
     if (curves[c].rows() < 2)
       throw InvalidInput(concat("curve ", c, " has ", curves[c].rows(), " points; a curve needs two"));
     if (!curves[c].allFinite()) throw InvalidInput(concat("curve ", c, " has a point that is not finite"));
   }
-  std::vector<CurveContinuity> result(curves.size());
+  std::vector<std::vector<ContinuitySample>> result(curves.size());
   if (curves.empty()) return result;
   const Measurement measurement(positions, triangles, curves, options);
   for (size_t c = 0; c < curves.size(); ++c) {
@@ -305,62 +300,38 @@ std::vector<CurveContinuity> curve_continuity(const Points& positions, const Tri
     const Curve curve(curves[c]);
     const double wanted = curve.length() / measurement.mean_edge();
     const auto n = static_cast<int>(std::clamp(wanted, 1.0, static_cast<double>(options.max_samples)));
-    std::vector<Sample> samples(static_cast<size_t>(n));
-    for (int k = 0; k < n; ++k) samples[static_cast<size_t>(k)].arc = (k + 0.5) / n * curve.length();
+    result[c].resize(static_cast<size_t>(n));
+    for (int k = 0; k < n; ++k) result[c][static_cast<size_t>(k)].arc = (k + 0.5) / n * curve.length();
     parallel_for(n, 8, [&](Index begin, Index end) {
-      for (Index k = begin; k < end; ++k) measurement.measure(curve, samples[at(k)]);
+      for (Index k = begin; k < end; ++k) measurement.measure(curve, result[c][at(k)]);
     });
-    CurveContinuity& figures = result[c];
-    for (const Sample& sample : samples) {
-      figures.max_distance = std::max(figures.max_distance, sample.distance);
-      figures.mean_distance += sample.distance / n;
-      figures.n_one_sided += sample.state == Sample::State::OneSided;
-      figures.n_unfitted += sample.state == Sample::State::Unfitted;
-      if (sample.state != Sample::State::Measured) continue;
-      ++figures.n_samples;
-      if (figures.n_samples == 1 || sample.normal_jump > figures.max_normal_jump)
-        figures.worst = sample.point;
-      figures.max_gap = std::max(figures.max_gap, sample.gap);
-      figures.max_normal_jump = std::max(figures.max_normal_jump, sample.normal_jump);
-      figures.max_curvature_jump = std::max(figures.max_curvature_jump, sample.curvature_jump);
-      figures.mean_gap += sample.gap;
-      figures.mean_normal_jump += sample.normal_jump;
-      figures.mean_curvature_jump += sample.curvature_jump;
-    }
-    const double share = 1.0 / std::max(1, figures.n_samples);
-    figures.mean_gap *= share;
-    figures.mean_normal_jump *= share;
-    figures.mean_curvature_jump *= share;
   }
   return result;
 }
 
-CurveContinuity joint_continuity(const std::vector<CurveContinuity>& curves) {
-  CurveContinuity joint;
-  int n_places = 0;
-  for (const CurveContinuity& curve : curves) {
-    const int places = curve.n_samples + curve.n_one_sided + curve.n_unfitted;
-    if (curve.n_samples > 0 && (joint.n_samples == 0 || curve.max_normal_jump > joint.max_normal_jump))
-      joint.worst = curve.worst;
-    joint.n_samples += curve.n_samples;
-    joint.n_one_sided += curve.n_one_sided;
-    joint.n_unfitted += curve.n_unfitted;
-    n_places += places;
-    joint.max_gap = std::max(joint.max_gap, curve.max_gap);
-    joint.max_normal_jump = std::max(joint.max_normal_jump, curve.max_normal_jump);
-    joint.max_curvature_jump = std::max(joint.max_curvature_jump, curve.max_curvature_jump);
-    joint.max_distance = std::max(joint.max_distance, curve.max_distance);
-    joint.mean_gap += curve.mean_gap * curve.n_samples;
-    joint.mean_normal_jump += curve.mean_normal_jump * curve.n_samples;
-    joint.mean_curvature_jump += curve.mean_curvature_jump * curve.n_samples;
-    joint.mean_distance += curve.mean_distance * places;
+CurveContinuity continuity_figures(const std::vector<ContinuitySample>& samples) {
+  CurveContinuity figures;
+  for (const ContinuitySample& sample : samples) {
+    figures.max_distance = std::max(figures.max_distance, sample.distance);
+    figures.mean_distance += sample.distance;
+    figures.n_one_sided += sample.state == ContinuitySample::State::OneSided;
+    figures.n_unfitted += sample.state == ContinuitySample::State::Unfitted;
+    if (sample.state != ContinuitySample::State::Measured) continue;
+    ++figures.n_samples;
+    if (figures.n_samples == 1 || sample.normal_jump > figures.max_normal_jump) figures.worst = sample.point;
+    figures.max_gap = std::max(figures.max_gap, sample.gap);
+    figures.max_normal_jump = std::max(figures.max_normal_jump, sample.normal_jump);
+    figures.max_curvature_jump = std::max(figures.max_curvature_jump, sample.curvature_jump);
+    figures.mean_gap += sample.gap;
+    figures.mean_normal_jump += sample.normal_jump;
+    figures.mean_curvature_jump += sample.curvature_jump;
   }
-  const double share = 1.0 / std::max(1, joint.n_samples);
-  joint.mean_gap *= share;
-  joint.mean_normal_jump *= share;
-  joint.mean_curvature_jump *= share;
-  joint.mean_distance /= std::max(1, n_places);
-  return joint;
+  const double share = 1.0 / std::max(1, figures.n_samples);
+  figures.mean_gap *= share;
+  figures.mean_normal_jump *= share;
+  figures.mean_curvature_jump *= share;
+  figures.mean_distance /= std::max(1.0, static_cast<double>(samples.size()));
+  return figures;
 }
 
 }  // namespace batten
