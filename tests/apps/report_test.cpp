@@ -120,8 +120,8 @@ TEST(ReportCommand, GoesOnWhereAMeshIsRefused) {
   EXPECT_FALSE(json["warnings"].empty());
 }
 
-// The same model by two methods: a sphere has a truth, a session has none; a model that a method refuses has its
-// reason there. Bounds of the issue: normals jump by at most half a degree, the mean is within 0.3 %.
+// The same model by two methods: a sphere has a truth, a session has none; a model that a method refuses has
+// its reason there. Bounds of the issue: normals jump by at most half a degree, the mean is within 0.3 %.
 TEST(ReportCommand, ComparesTheSurfacesOfSketchedModels) {
   const std::string data = folder("sessions");
   write_file(data + "/disc.jsonl",

@@ -1,6 +1,8 @@
 #include "apps/run_batten.hpp"
 
 #include <cmath>
+#include <fstream>
+#include <sstream>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -77,8 +79,8 @@ TEST(SketchCommand, BadFilesEndWithThreeAndTheLine) {
   EXPECT_NE(run.err.find("torn.jsonl:3: the last line is not finished"), std::string::npos) << run.err;
 }
 
-// Three great circles: H fig. 7.7; the bound of half a degree is the issue's. A curve that was made sharp is no
-// longer among the smooth ones.
+// Three great circles: H fig. 7.7; the bound of half a degree is the issue's. A curve that was made sharp is
+// no longer among the smooth ones.
 TEST(SketchCommand, TellsHowFarNormalsJumpAcrossDrawnCurves) {
   const std::string session = std::string(BATTEN_EXAMPLES) + "/sessions/sphere.jsonl";
   const Json json = run_json("sketch " + session + " -o jump.batten --surface jump.ply --levels 2");
@@ -88,11 +90,14 @@ TEST(SketchCommand, TellsHowFarNormalsJumpAcrossDrawnCurves) {
   EXPECT_TRUE(continuity["sharp"].is_null());
   ASSERT_EQ(continuity["curves"].size(), 3u);
   EXPECT_EQ(continuity["curves"][2]["id"], "c2");
-  write_file("sharp.jsonl", read_file(session) + "{\"op\":\"sharpness\",\"curve\":\"c0\",\"value\":1}\n");
+  std::ostringstream strokes;
+  strokes << std::ifstream(session).rdbuf();
+  write_file("sharp.jsonl", strokes.str() + "{\"op\":\"sharpness\",\"curve\":\"c0\",\"value\":1}\n");
   const Json sharp = run_json("sketch sharp.jsonl -o jump.batten --surface jump.ply --levels 2");
   EXPECT_EQ(sharp["surface"]["continuity"]["curves"][0]["sharpness"], 1);
   EXPECT_FALSE(sharp["surface"]["continuity"]["sharp"].is_null());
-  EXPECT_FALSE(sharp["surface"]["continuity"]["corners"].is_null()) << "where smooth curves cross the sharp one";
+  EXPECT_FALSE(sharp["surface"]["continuity"]["corners"].is_null())
+      << "where smooth curves cross the sharp one";
 }
 
 // The example sessions; what each must be follows from what it draws.

@@ -11,8 +11,8 @@
 namespace batten {
 namespace {
 
-/// Square patches over [0, 1]², n cells each way: patch p lies at height `levels[p]` and bulges by `bulges[p]`
-/// in its middle. Their borders are the network.
+/// Square patches over [0, 1]², n cells each way: patch p lies at height `levels[p]` and bulges by
+/// `bulges[p]` in its middle. Their borders are the network.
 SurfaceResult sheets(int n, const std::vector<double>& levels, const std::vector<double>& bulges) {
   const int side = n + 1, each = side * side;
   SurfaceResult surface;
