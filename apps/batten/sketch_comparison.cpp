@@ -71,7 +71,8 @@ class Comparison {
     grid.columns = {"model",       "method",         "deviation mean, %",
                     "max, %",      "normals max",    "mean",
                     "corners max", "curvature mean", "max",
-                    "sharp",       "faces",          "s"};
+                    "sharp",       "faces",          "s",
+                    "remark"};
   }
 
   void run(const SketchNetwork& network) {
@@ -101,7 +102,7 @@ class Comparison {
       std::vector<std::string> row(result_.grid.columns.size());
       row[0] = network.name;
       row[1] = method;
-      row[2] = concat("refused: ", reason);
+      row.back() = concat("refused: ", reason);
       result_.grid.rows.push_back(std::move(row));
       return {{"refused", reason}};
     };
@@ -157,6 +158,7 @@ class Comparison {
     row.push_back(angle(sharp, sharp.mean_normal_jump));
     row.push_back(concat(mesh.n_triangles()));
     row.push_back(number(clock.total(), "%.2f"));
+    row.emplace_back(surface.warnings.empty() ? "" : surface.warnings.front());
     result_.grid.rows.push_back(std::move(row));
     if (options_.pictures) draw(network, method, mesh, errors, continuity);
     return json;

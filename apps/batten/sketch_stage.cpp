@@ -64,8 +64,9 @@ SketchNetwork read_sketch(const SketchArguments& arguments, const CurveNetwork& 
              " dangling ends, ", count(NetworkDefect::NearMiss), " near misses; ", sketch.n_overdrawn,
              " pieces drawn twice, ", sketch.n_extended_ends, " ends extended, ", sketch.n_left_out,
              " pieces left out, welded within ", 100 * made.weld_tolerance, " % of the diameter"));
-  for (const auto* warnings : {&sketch.warnings, &made.estimate.warnings})
-    outcome.warnings.insert(outcome.warnings.end(), warnings->begin(), warnings->end());
+  std::vector<std::string>& warnings = outcome.warnings;
+  warnings.insert(warnings.end(), sketch.warnings.begin(), sketch.warnings.end());
+  warnings.insert(warnings.end(), made.estimate.warnings.begin(), made.estimate.warnings.end());
   if (!made.estimate.open_curves.empty()) {
     std::string names;
     for (const int c : made.estimate.open_curves)
