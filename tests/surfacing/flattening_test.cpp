@@ -87,8 +87,11 @@ TEST(FlattenCrossingPatches, LeavesSoundSurfacesBitForBit) {
 // Where the curves themselves cross, no filling of the patches helps: nothing is changed.
 TEST(FlattenCrossingPatches, LeavesAloneWhatItCannotMend) {
   SurfaceResult before = sheets(6, {0, 0}, {0, 0});
-  for (Eigen::Index v = 49; v < 98; ++v)  // the second sheet stands upright through the middle of the first
-    before.mesh.positions.row(v) << before.mesh.positions(v, 0), 0.45, before.mesh.positions(v, 1) - 0.5;
+  // The second sheet stands upright through the middle of the first.
+  for (Eigen::Index v = 49; v < 98; ++v) {
+    const Eigen::RowVector3d lying = before.mesh.positions.row(v);
+    before.mesh.positions.row(v) << lying.x(), 0.45, lying.y() - 0.5;
+  }
   SurfaceResult surface = before;
   const FlatteningReport report = flatten_crossing_patches(surface);
   EXPECT_GT(report.crossings_before, 0u);

@@ -168,9 +168,8 @@ FlatteningReport flatten_crossing_patches(SurfaceResult& surface, const Progress
   }
   int folded = 0;
   for (Index f = 0; f < surface.mesh.triangles.rows(); ++f) folded += flattener.is_folded(X, N, f);
-  // Fewer crossings without more folds, or fewer folds without more crossings.
-  const bool gained = n_crossings <= report.crossings_before && folded <= surface.folded_triangles &&
-                      (n_crossings < report.crossings_before || folded < surface.folded_triangles);
+  const bool gained = n_crossings + static_cast<std::size_t>(folded) <
+                      report.crossings_before + static_cast<std::size_t>(surface.folded_triangles);
   if (!gained) return report;
   report.crossings_after = n_crossings;
   std::string names;

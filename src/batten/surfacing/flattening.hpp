@@ -18,9 +18,9 @@ struct FlatteningReport {
 /// first halfway, and where that does not help, altogether. Curves stay, other patches stay, and across the
 /// curves of a flattened patch the surface has an edge. It is meant for sketches: normals that were estimated
 /// from curves round off every rim, and where two walls lie close together their bulges go through each
-/// other. A surface without crossings and folds is left as it is, bit for bit; so is one where nothing is
-/// gained. Counts and normals of the result are brought up to date; what was flattened is told in its
-/// warnings.
+/// other. A surface without crossings and folds is left as it is, bit for bit; so is one where crossings
+/// and folded triangles together would not become fewer. Counts and normals of the result are brought up to
+/// date; what was flattened is told in its warnings.
 /// @throws SolverFailure; Cancelled.
 FlatteningReport flatten_crossing_patches(SurfaceResult& surface, const Progress& progress = {});
 
