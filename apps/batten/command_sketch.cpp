@@ -123,6 +123,28 @@ double millimetres_in(const std::string& unit) {
   return 1000 * one.value;
 }
 
+void write_surface(const SketchArguments& arguments, TriangleMesh mesh, Json& figures, Outcome& outcome) {
+  const ScopedStage stage(outcome.times, "write");
+  write_mesh(arguments.surface, mesh);
+  figures["vertices"] = mesh.n_vertices();
+  figures["faces"] = mesh.n_triangles();
+  outcome.lines.push_back(
+      concat(arguments.surface, ": ", mesh.n_vertices(), " vertices, ", mesh.n_triangles(), " triangles"));
+  outcome.exhibit.mesh = std::move(mesh);
+}
+
+void write_patches(const SketchArguments& arguments, const Project& project, const ControlCage& cage,
+                   const Context& context, Json& figures, Outcome& outcome) {
+  const ScopedStage stage(outcome.times, "step");
+  const BsplineSurface patches = limit_bsplines(cage, {}, context.progress);
+  StepOptions step;
+  step.millimetres_per_unit = millimetres_in(project.unit);
+  write_file(arguments.step, format_step(patches, step));
+  figures["patches"] = patches.patches.size();
+  figures["step_deviation"] = patches.deviation;
+  outcome.lines.push_back(concat(arguments.step, ": ", patches.patches.size(), " patches"));
+}
+
 /// What is made of the model beside the project: a mesh with its measures, a STEP file.
 void make_surface(const SketchArguments& arguments, const Project& project, const Context& context,
                   Outcome& outcome) {
@@ -131,6 +153,7 @@ void make_surface(const SketchArguments& arguments, const Project& project, cons
       make_model_surface(model, arguments.options, !arguments.surface.empty(), context.progress);
   outcome.times.add(surface.times);
   outcome.warnings.insert(outcome.warnings.end(), surface.warnings.begin(), surface.warnings.end());
+  outcome.lines.insert(outcome.lines.end(), surface.lines.begin(), surface.lines.end());
   Json& figures = outcome.figures["surface"] = std::move(surface.figures);
   if (!arguments.surface.empty()) {
     {
@@ -145,24 +168,9 @@ void make_surface(const SketchArguments& arguments, const Project& project, cons
                                        continuity.worst_curve, "), by ",
                                        degrees(continuity.smooth.mean_normal_jump), " in the mean"));
     }
-    const ScopedStage stage(outcome.times, "write");
-    write_mesh(arguments.surface, surface.mesh);
-    figures["vertices"] = surface.mesh.n_vertices();
-    figures["faces"] = surface.mesh.n_triangles();
-    outcome.lines.push_back(concat(arguments.surface, ": ", surface.mesh.n_vertices(), " vertices, ",
-                                   surface.mesh.n_triangles(), " triangles"));
-    outcome.exhibit.mesh = std::move(surface.mesh);
+    write_surface(arguments, std::move(surface.mesh), figures, outcome);
   }
-  if (!arguments.step.empty()) {
-    const ScopedStage stage(outcome.times, "step");
-    const BsplineSurface patches = limit_bsplines(surface.cage, {}, context.progress);
-    StepOptions step;
-    step.millimetres_per_unit = millimetres_in(project.unit);
-    write_file(arguments.step, format_step(patches, step));
-    figures["patches"] = patches.patches.size();
-    figures["step_deviation"] = patches.deviation;
-    outcome.lines.push_back(concat(arguments.step, ": ", patches.patches.size(), " patches"));
-  }
+  if (!arguments.step.empty()) write_patches(arguments, project, surface.cage, context, figures, outcome);
 }
 
 Outcome run_sketch(const SketchArguments& arguments, Context& context) {
@@ -215,26 +223,28 @@ void add_sketch(CLI::App& app) {
   const auto arguments = std::make_shared<SketchArguments>();
   CLI::App* command =
       add_command(app, "sketch", "Play a recorded sketching session into a model of curves and faces.",
-                  "batten sketch session.jsonl -o model.batten --json",
-                  [arguments](Context& context) { return run_sketch(*arguments, context); });
+                  "batten sketch session.jsonl -o model.batten --json", [arguments, &app](Context& context) {
+                    check_coons_arguments(*app.get_subcommand("sketch"), arguments->options.coons,
+                                          arguments->options.method, arguments->options.levels);
+                    return run_sketch(*arguments, context);
+                  });
   command->add_option("session", arguments->session, "Session (JSON lines), or a project (.batten)")
       ->required();
   command->add_option("-o,--output", arguments->output, "Project to write: .batten")->required();
   command->add_option("--surface", arguments->surface, "Surface to write: .ply, .obj, .off or .stl");
   command
-      ->add_option(
-          "--method", arguments->options.method,
-          "How the surface is made: v2, by diffusion of mean curvature, or curvature, by filling the network")
+      ->add_option("--method", arguments->options.method,
+                   "How the surface is made: v2, by diffusion of mean curvature, v1, from Coons patches, or "
+                   "curvature, by filling the network")
       ->check(CLI::IsMember(model_surface_methods()));
-  command
-      ->add_option("--levels", arguments->options.levels,
-                   "Levels of Catmull-Clark subdivision after the flow")
+  command->add_option("--levels", arguments->options.levels, "Levels of subdivision of the finished surface")
       ->check(CLI::Range(0, 6));
   command
       ->add_option("--splits", arguments->options.splits,
-                   "Splits of the faces before the flow: 3 gives 16 n quads")
+                   "v2: splits of the faces before the flow: 3 gives 16 n quads")
       ->check(CLI::Range(1, 6));
   command->add_option("--step", arguments->step, "STEP file to write: the limit surface as B-spline patches");
+  add_coons_options(*command, arguments->options.coons);
   command->add_flag("--strict", arguments->strict, "Exit with 1 when an edit was refused");
 }
 

@@ -85,13 +85,25 @@ std::vector<char> corner_vertices(const PolylineMesh& model) {
 }  // namespace
 
 const std::vector<std::string>& model_surface_methods() {
-  static const std::vector<std::string> methods = {"v2", "curvature"};
+  static const std::vector<std::string> methods = {"v1", "v2", "curvature"};
   return methods;
 }
 
 ModelSurface make_model_surface(const PolylineMesh& model, const ModelSurfaceOptions& options, bool with_mesh,
                                 const Progress& progress) {
   ModelSurface result;
+  if (options.method == "v1") {
+    Outcome outcome;
+    CoonsSurface surface =
+        run_coons_stage(options.coons, model, options.levels, Context{progress}, outcome, result.figures);
+    result.times = outcome.times;
+    result.lines = std::move(outcome.lines);
+    result.mesh.triangles = triangles_of(surface.fine);
+    result.mesh.positions = std::move(surface.fine.positions);
+    result.mesh.normals = std::move(surface.normals);
+    result.cage = std::move(surface.cage);
+    return result;
+  }
   DiffusionOptions diffusion;
   diffusion.splits = options.splits;
   // Filling the network does not refine it any further, so it wants more samples along its curves.

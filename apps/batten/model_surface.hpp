@@ -1,5 +1,6 @@
 #pragma once
 #include "command.hpp"
+#include "coons_stage.hpp"
 
 #include <optional>
 #include <string>
@@ -14,8 +15,9 @@ namespace batten::cli {
 /// How the surface of a sketched model is made.
 struct ModelSurfaceOptions {
   std::string method = "v2";  ///< of model_surface_methods()
-  int splits = 3;             ///< of every face before the flow, 1 to 6
-  int levels = 3;             ///< of Catmull-Clark afterwards, 0 to 6
+  int splits = 3;             ///< v2, curvature: of every face before the flow, 1 to 6
+  int levels = 3;             ///< of subdivision afterwards, 0 to 6
+  CoonsArguments coons;       ///< v1
 };
 
 /// The names of the methods, in the order in which they are compared.
@@ -24,9 +26,10 @@ const std::vector<std::string>& model_surface_methods();
 /// The surface of a model.
 struct ModelSurface {
   TriangleMesh mesh;  ///< without triangles where only the cage was asked for
-  ControlCage cage;   ///< its limit surface is what STEP files hold
+  ControlCage cage;   ///< its limit surface is what STEP files hold; empty where the scheme has none
   Json figures = Json::object();
   std::vector<std::string> warnings;
+  std::vector<std::string> lines;  ///< what a person reads
   StageTimes times;
 };
 

@@ -132,5 +132,50 @@ TEST(SketchCommand, ExampleSessionsGiveClosedModelsOfTheirGenus) {
   }
 }
 
+// Faces far from convex (cross), a handle (bottle), a cavity (charger), a slanted body (telephone): all of
+// them become closed surfaces of the right genus by method v1, with every scheme.
+TEST(SketchCommand, MethodV1MakesSurfacesOfAllExampleSessions) {
+  const std::string folder = std::string(BATTEN_EXAMPLES) + "/sessions/";
+  for (const auto& [name, genus] : {std::pair<std::string, int>{"sphere", 0},
+                                    {"cube", 0},
+                                    {"cross", 0},
+                                    {"bottle", 1},
+                                    {"charger", 0},
+                                    {"telephone", 0}})
+    for (const std::string scheme : {"catmull-clark", "nulissmod+catmull-clark"}) {
+      const std::string out = name + "_v1.ply";
+      const Json json =
+          run_json("sketch " + folder + name + ".jsonl -o " + name + "_v1.batten --method v1 --scheme " +
+                   scheme + " --levels 1 --surface " + out);
+      EXPECT_EQ(json["surface"]["division"]["flaws"], 0) << name;
+      EXPECT_GT(json["surface"]["base_quads"], 0) << name;
+      EXPECT_TRUE(json["seconds"].contains("triquadrification")) << name;
+      const Json surface = run_json("info " + out);
+      EXPECT_EQ(surface["genus"], genus) << name;
+      EXPECT_EQ(surface["boundary_loops"], 0) << name;
+      EXPECT_EQ(surface["vertices"], json["surface"]["vertices"]) << name;
+    }
+}
+
+TEST(SketchCommand, OptionsOfMethodsThatDoNotGoTogetherAreRefusedInWords) {
+  write_file("options.jsonl", std::string(kHeader) + kSquare);
+  const auto refusal = [](const std::string& options) {
+    const auto run = run_batten("sketch options.jsonl -o options.batten " + options);
+    EXPECT_EQ(run.exit_code, 2) << options;
+    return run.err;
+  };
+  EXPECT_NE(refusal("--scheme nuliss").find("belongs to --method v1"), std::string::npos);
+  EXPECT_NE(refusal("--method curvature --refinements 3").find("belongs to --method v1"), std::string::npos);
+  EXPECT_NE(refusal("--method v1 --splits 2").find("--refinements"), std::string::npos);
+  EXPECT_NE(refusal("--method v1 --scheme nuliss --step o.step").find("no B-splines"), std::string::npos);
+  EXPECT_NE(refusal("--method v1 --scheme nulissmod --approximate").find("end in catmull-clark"),
+            std::string::npos);
+  EXPECT_NE(refusal("--method v1 --scheme nulissmod+catmull-clark --levels 0").find("1 or more"),
+            std::string::npos);
+  refusal("--method v1 --scheme loop");
+  refusal("--method v1 --refinements 9");
+  EXPECT_FALSE(file_exists("options.batten"));
+}
+
 }  // namespace
 }  // namespace batten::test

@@ -286,6 +286,47 @@ TEST(NulissMod, KeepsAllPointsOfDrawnEdgesOnTheirPolylines) {
   }
 }
 
+// What H 6.3.1 pays for following the polylines: spokes that arch up in turn leave the middle of a flat star
+// in directions of no one plane, and no level brings the normals there together. Nuliss, which takes the
+// vertices alone, stays flat.
+TEST(NulissMod, HasNoTangentPlaneWherePolylinesHaveNone) {
+  for (const int n : {3, 5, 6}) {
+    ControlCage cage = cages::star(n, 2, [](double x, double y) { return Row(x, y, 0); });
+    constexpr int kPoints = 40, kRings = 2;
+    for (int s = 0; s < n; s += 2) {
+      const int first = 1 + s * kRings * (kRings + 1);
+      EdgePolyline arch{0, first, Points(kPoints + 1, 3)};
+      for (int i = 0; i <= kPoints; ++i) {
+        const double t = static_cast<double>(i) / kPoints;
+        arch.points.row(i) = t * cage.mesh.positions.row(first);
+        arch.points(i, 2) = 1.2 * t * (1 - t);
+      }
+      cage.polylines.push_back(arch);
+    }
+    const auto spread = [&](SubdivisionScheme scheme, int levels) {
+      const SubdividedSurface surface = subdivide(cage, {.scheme = scheme, .levels = levels});
+      const PolygonMesh& mesh = surface.cage.mesh;
+      std::vector<Row> normals;
+      for (size_t c = 0; c < mesh.corners.size(); ++c) {
+        if (mesh.corners[c] != 0) continue;
+        const auto corner = [&](size_t k) -> Row {
+          return mesh.positions.row(mesh.corners[c / 4 * 4 + (c + k) % 4]) - mesh.positions.row(0);
+        };
+        normals.push_back(corner(1).cross(corner(3)).normalized());
+      }
+      double widest = 0;
+      for (const Row& a : normals)
+        for (const Row& b : normals) widest = std::max(widest, std::acos(std::clamp(a.dot(b), -1.0, 1.0)));
+      return widest;
+    };
+    EXPECT_LT(spread(SubdivisionScheme::Nuliss, 5), 1e-6) << n;
+    const double coarse = spread(SubdivisionScheme::NulissMod, 3),
+                 fine = spread(SubdivisionScheme::NulissMod, 5);
+    EXPECT_GT(coarse, 0.5) << n;
+    EXPECT_GT(fine, 0.8 * coarse) << n;
+  }
+}
+
 // Four equal arches of height h: the Coons patch has (h + h) in its middle, twice the height of one. With an
 // odd number of segments the middle of an arch is flat and nearest to its chord.
 TEST(NulissMod, PlacesTheFirstFacePointOnTheCoonsPatch) {

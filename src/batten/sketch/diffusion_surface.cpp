@@ -15,6 +15,7 @@
 #include "batten/mesh/normals.hpp"
 #include "batten/mesh/self_intersections.hpp"
 #include "batten/operators/laplacian.hpp"
+#include "batten/sketch/refined_mesh_detail.hpp"
 #include "batten/subdivision/subdivide.hpp"
 
 namespace batten {
@@ -366,9 +367,11 @@ SparseMatrix limit_stencils(const ControlCage& cage) {
   return stencils;
 }
 
-/// Moves the vertices of the cage until the limit surface goes through `target`. The stencils above hold but
-/// for darts and semi-sharp creases: their inverse is applied to what the true limit points still lack.
-void fit_limit(ControlCage& cage, const Points& target, const Progress& progress) {
+}  // namespace
+
+// The stencils above hold but for darts and semi-sharp creases: their inverse is applied to what the true
+// limit points still lack.
+void detail::fit_limit(ControlCage& cage, const Points& target, const Progress& progress) {
   const SparseMatrix stencils = limit_stencils(cage);
   SparseCholesky inverse("cage of the limit surface");
   inverse.factorize(SparseMatrix(stencils.transpose() * stencils));
@@ -383,13 +386,14 @@ void fit_limit(ControlCage& cage, const Points& target, const Progress& progress
   }
 }
 
-/// The flow has no bound on faces that are far from convex or long and thin: what comes out folded is
-/// refused.
-void require_sound(const DiffusionSurface& surface, const Points& start) {
-  const Points& positions = surface.refined.mesh.positions;
-  const auto face_of = [&](int triangle) { return surface.face_of_quad[at(triangle) / 2]; };
+// The flow has no bound on faces that are far from convex or long and thin: what comes out folded is
+// refused.
+void detail::require_sound(const PolygonMesh& mesh, const std::vector<int>& face_of_quad,
+                           const std::vector<char>& on_curve, const Points& start) {
+  const Points& positions = mesh.positions;
+  const auto face_of = [&](int triangle) { return face_of_quad[at(triangle) / 2]; };
   if (positions.allFinite()) {
-    const auto crossing = self_intersections(positions, cut_quads(surface.refined.mesh), 1);
+    const auto crossing = self_intersections(positions, cut_quads(mesh), 1);
     if (!crossing.empty())
       throw InvalidInput(
           concat("the surface folds or crosses itself in the faces f", face_of(crossing[0].first), " and f",
@@ -398,15 +402,15 @@ void require_sound(const DiffusionSurface& surface, const Points& start) {
   }
   const double size = bounding_box_diagonal(start);
   for (Index v = 0; v < positions.rows(); ++v)
-    if (surface.on_curve[static_cast<size_t>(v)] &&
+    if (on_curve[static_cast<size_t>(v)] &&
         !((positions.row(v) - start.row(v)).norm() <= kFarthestFromCurves * size))
       throw InvalidInput(
           concat("the surface leaves its curves by more than ", 100 * kFarthestFromCurves,
                  " % of the size; divide the faces by another curve, best where they are not convex"));
 }
 
-/// Turns closed components so that normals point outwards, by the sign of their volume.
-void turn_outwards(const PolylineMesh& model, DiffusionSurface& surface) {
+void detail::turn_outwards(const PolylineMesh& model, PolygonMesh& mesh,
+                           const std::vector<int>& face_of_quad) {
   std::vector<int> component(model.faces().size(), -1);
   std::vector<char> is_open;
   for (size_t f = 0; f < model.faces().size(); ++f) {
@@ -427,24 +431,21 @@ void turn_outwards(const PolylineMesh& model, DiffusionSurface& surface) {
       }
     }
   }
-  PolygonMesh& mesh = surface.refined.mesh;
   std::vector<double> volume(is_open.size(), 0);
   const auto quad = [&](Index f) { return &mesh.corners[at(mesh.offsets[static_cast<size_t>(f)])]; };
   for (Index f = 0; f < mesh.n_faces(); ++f) {
     const int* c = quad(f);
     const auto p = [&](int k) -> Vector3d { return mesh.positions.row(c[k]); };
-    const int own = component[at(surface.face_of_quad[static_cast<size_t>(f)])];
+    const int own = component[at(face_of_quad[static_cast<size_t>(f)])];
     volume[at(own)] += p(0).cross(p(1)).dot(p(2)) + p(0).cross(p(2)).dot(p(3));
   }
   for (Index f = 0; f < mesh.n_faces(); ++f) {
-    const int own = component[at(surface.face_of_quad[static_cast<size_t>(f)])];
+    const int own = component[at(face_of_quad[static_cast<size_t>(f)])];
     if (is_open[at(own)] || volume[at(own)] >= 0) continue;
     int* c = quad(f);
     std::swap(c[1], c[3]);
   }
 }
-
-}  // namespace
 
 std::optional<std::string> DiffusionOptions::problem() const {
   if (splits < 1 || splits > 6) return concat("splits must be 1 to 6, got ", splits);
@@ -473,7 +474,7 @@ DiffusionSurface diffusion_surface(const PolylineMesh& mesh, const DiffusionOpti
   {
     const ScopedStage stage(surface.times, "refine");
     Refiner(mesh, options.splits).run(surface);
-    turn_outwards(mesh, surface);
+    detail::turn_outwards(mesh, surface.refined.mesh, surface.face_of_quad);
   }
   const Points start = surface.refined.mesh.positions;
   {
@@ -487,10 +488,10 @@ DiffusionSurface diffusion_surface(const PolylineMesh& mesh, const DiffusionOpti
       if (surface.last_move < 1e-9) break;
     }
   }
-  require_sound(surface, start);
+  detail::require_sound(surface.refined.mesh, surface.face_of_quad, surface.on_curve, start);
   const ScopedStage stage(surface.times, "cage");
   surface.cage = surface.refined;
-  fit_limit(surface.cage, surface.refined.mesh.positions, progress);
+  detail::fit_limit(surface.cage, surface.refined.mesh.positions, progress);
   return surface;
 }
 

@@ -20,6 +20,7 @@ constexpr Index kMostSamples = 1000;
 constexpr double kWindow = 0.02;      // of the length: how far a corner looks to either side
 constexpr double kChordError = 1e-5;  // of the length
 constexpr double kFitError = 5e-6;    // of the length; of strokes without noise
+constexpr double kClearOfHolds = 10;  // times how far a held point lies off the stroke
 
 double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -208,8 +209,9 @@ struct Sample {
 };
 
 /// Least squares with equality constraints, solved with their multipliers.
+/// @param bending weight of the second differences of control points beside all samples together.
 Spline least_squares_spline(const std::vector<Sample>& samples, const std::vector<Sample>& held, int spans,
-                            bool periodic) {
+                            bool periodic, double bending) {
   Spline spline;
   spline.spans = spans;
   spline.periodic = periodic;
@@ -226,13 +228,11 @@ Spline least_squares_spline(const std::vector<Sample>& samples, const std::vecto
       right.row(i) += sample.weight * basis.values[a] * sample.point.transpose();
     }
   }
-  // A trace of bending keeps spans without samples straight; too weak to be seen where there are some.
-  constexpr double kBending = 1e-9;
   for (Index k = 0; k + 2 < m + (periodic ? 2 : 0); ++k) {
     const Index ids[3] = {k % m, (k + 1) % m, (k + 2) % m};
     const double row[3] = {1, -2, 1};
     for (int a = 0; a < 3; ++a)
-      for (int b = 0; b < 3; ++b) system(ids[a], ids[b]) += kBending * row[a] * row[b];
+      for (int b = 0; b < 3; ++b) system(ids[a], ids[b]) += bending * row[a] * row[b];
   }
   for (Index k = 0; k < c; ++k) {
     const Sample& hold = held[static_cast<size_t>(k)];
@@ -248,10 +248,12 @@ Spline least_squares_spline(const std::vector<Sample>& samples, const std::vecto
   return spline;
 }
 
-/// The spline with as few spans as follow the samples to within `tolerance` (root mean square).
+/// The spline with as few spans as follow the samples to within `tolerance` (root mean square per
+/// coordinate), at most one for every two samples: more would swing between them.
 Spline fitted_spline(const std::vector<Sample>& samples, const std::vector<Sample>& held, bool periodic,
-                     double tolerance) {
+                     const FitAims& aims) {
   Spline best;
+  const int most_spans = static_cast<int>(samples.size()) / (aims.noisy ? 4 : 1);
   double closest_holds = 1;
   for (size_t i = 0; i < held.size(); ++i)
     for (size_t j = 0; j < i; ++j) {
@@ -260,16 +262,17 @@ Spline fitted_spline(const std::vector<Sample>& samples, const std::vector<Sampl
       closest_holds = std::min(closest_holds, gap);
     }
   for (int spans = periodic ? 8 : 4; spans <= 128; spans *= 2) {
-    best = least_squares_spline(samples, held, spans, periodic);
+    best = least_squares_spline(samples, held, spans, periodic, aims.bending);
     double squares = 0, weights = 0, worst_hold = 0;
     for (const Sample& sample : samples) {
       squares += sample.weight * (best.at(sample.t) - sample.point).squaredNorm();
       weights += sample.weight;
     }
     for (const Sample& hold : held) worst_hold = std::max(worst_hold, (best.at(hold.t) - hold.point).norm());
-    const bool holds = best.control.allFinite() && worst_hold <= tolerance && closest_holds * spans >= 0.5;
-    const bool follows = squares <= tolerance * tolerance * weights;
-    if (holds && (follows || spans >= static_cast<int>(samples.size()))) break;
+    const bool holds =
+        best.control.allFinite() && worst_hold <= aims.tolerance && closest_holds * spans >= 0.5;
+    const bool follows = squares <= aims.tolerance * aims.tolerance * weights;
+    if (holds && (follows || (aims.noisy ? spans > most_spans : spans >= most_spans))) break;
   }
   return best;
 }
@@ -355,7 +358,14 @@ Stroke prepare_stroke(const Points& points, const StrokeOptions& options) {
 FittedStroke fit_stroke(const Stroke& stroke, const std::vector<HeldPoint>& held) {
   const std::vector<double> arcs = stroke.arcs();
   const double length = arcs.back();
-  const double tolerance = std::max(0.8 * stroke.noise, kFitError * length);
+  // Noise is that of one coordinate of three.
+  const double noise = std::sqrt(3.0) * 0.8 * stroke.noise;
+  // A trace of bending keeps spans without samples straight, too weak to be seen where there are some. Where
+  // there is noise it must be dearer than to swing through it.
+  const FitAims aims{std::max(noise, kFitError * length), std::clamp(0.1 * stroke.noise / length, 1e-9, 1e-4),
+                     noise > kFitError * length};
+  const ArcWalk walk(stroke);
+  const double spacing = length / static_cast<double>(stroke.points.rows());
   FittedStroke result;
   result.corner_positions.resize(static_cast<Index>(stroke.corners.size()), 3);
 
@@ -411,19 +421,32 @@ FittedStroke fit_stroke(const Stroke& stroke, const std::vector<HeldPoint>& held
     while (end + 1 < stops.size() && !stops[end].breaks) ++end;
     const double start = distance_of(stops[begin]), span = distance_of(stops[end]) - start;
     std::vector<Sample> samples, holds;
+    // Beside a held point that lies off the stroke, a sample would ask for a slope of that offset divided by
+    // the distance between the two, and swing the curve as far as the next sample: it is left out.
+    std::vector<double> clear;
     for (size_t k = begin; k <= end; ++k) {
       if (periodic && k == end) break;
       holds.push_back({span > 0 ? (distance_of(stops[k]) - start) / span : 0, 1, stops[k].position});
+      const double off = (walk.at(std::min(stops[k].arc, length)) - stops[k].position).norm();
+      clear.push_back(std::min(kClearOfHolds * off, 1.5 * spacing));
     }
+    const auto is_beside_hold = [&](double s) {
+      for (size_t h = 0; h < holds.size(); ++h) {
+        double gap = std::abs(s - holds[h].t * span);
+        if (periodic) gap = std::min(gap, span - gap);
+        if (gap < clear[h]) return true;
+      }
+      return false;
+    };
     for (Index i = 0; i < stroke.points.rows(); ++i) {
       const double s = from_origin(arcs[static_cast<size_t>(i)]) - start;
-      if (s < 0 || s > span || (!periodic && (s == 0 || s == span))) continue;
+      if (s < 0 || s > span || (!periodic && (s == 0 || s == span)) || is_beside_hold(s)) continue;
       const double before = i > 0 ? arcs[static_cast<size_t>(i) - 1] : arcs[static_cast<size_t>(i)];
       const double after = static_cast<size_t>(i) + 1 < arcs.size() ? arcs[static_cast<size_t>(i) + 1]
                                                                     : arcs[static_cast<size_t>(i)];
       samples.push_back({s / span, (after - before) / (2 * span), stroke.points.row(i)});
     }
-    const Spline spline = fitted_spline(samples, holds, periodic, tolerance);
+    const Spline spline = fitted_spline(samples, holds, periodic, aims);
     for (size_t k = begin; k < end; ++k) {
       const double t0 = (distance_of(stops[k]) - start) / span,
                    t1 = (distance_of(stops[k + 1]) - start) / span;

@@ -1,0 +1,330 @@
+// Based on H 6.1 to 6.3. Coons patches are kept by division: the part of a bilinearly blended patch over a
+// rectangle is the patch of the four curves around that part. So the steps of H 6.2 are one grid per quad.
+#include "batten/sketch/coons_surface.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "batten/core/error.hpp"
+#include "batten/core/text.hpp"
+#include "batten/sketch/coons.hpp"
+#include "batten/sketch/refined_mesh_detail.hpp"
+#include "batten/subdivision/subdivide.hpp"
+
+namespace batten {
+
+namespace {
+
+using Eigen::Index;
+using Eigen::Vector3d;
+
+constexpr double kMostQuads = 2e6;
+/// Points on each edge of the refined mesh for the polylines that the schemes follow.
+constexpr int kPointsOfEdge = 4;
+
+size_t at(int i) {
+  return static_cast<size_t>(i);
+}
+
+bool follows_polylines(FinalScheme scheme) {
+  return scheme != FinalScheme::CatmullClark;
+}
+
+bool ends_in_catmull_clark(FinalScheme scheme) {
+  return scheme == FinalScheme::CatmullClark || scheme == FinalScheme::NulissModCatmullClark;
+}
+
+/// A curve between two base vertices: every kPointsOfEdge-th of its samples is a vertex.
+struct Line {
+  std::vector<int> vertices;  ///< m + 1
+  Points samples;             ///< kPointsOfEdge m + 1, at equal distances
+};
+
+Line reversed_line(const Line& line) {
+  return {{line.vertices.rbegin(), line.vertices.rend()}, Points(line.samples.colwise().reverse())};
+}
+
+/// The first or second half.
+Line half_of(const Line& line, bool second) {
+  const size_t m = (line.vertices.size() - 1) / 2;
+  const Index n = (line.samples.rows() - 1) / 2;
+  const auto first = line.vertices.begin() + static_cast<std::ptrdiff_t>(second ? m : 0);
+  return {{first, first + static_cast<std::ptrdiff_t>(m) + 1},
+          line.samples.middleRows(second ? n : 0, n + 1)};
+}
+
+/// The points of a polyline between two arc lengths, both ends given.
+Points part_of(const Polyline& polyline, double from, double to, const Eigen::RowVector3d& first,
+               const Eigen::RowVector3d& last) {
+  const double close = 1e-9 * polyline.length();
+  std::vector<Index> inside;
+  for (Index i = polyline.segment_at(from); i < polyline.n_points() && polyline.arc(i) < to - close; ++i)
+    if (polyline.arc(i) > from + close) inside.push_back(i);
+  Points points(static_cast<Index>(inside.size()) + 2, 3);
+  points.row(0) = first;
+  for (size_t k = 0; k < inside.size(); ++k)
+    points.row(static_cast<Index>(k) + 1) = polyline.points().row(inside[k]);
+  points.row(points.rows() - 1) = last;
+  return points;
+}
+
+/// Builds the refined mesh over a base mesh.
+class BasicRefinement {
+ public:
+  BasicRefinement(const CoonsOptions& options, CoonsSurface& surface)
+      : surface_(surface), m_(1 << options.steps), with_polylines_(follows_polylines(options.scheme)) {}
+
+  void run(const PolylineMesh& mesh, const Progress& progress) {
+    const BaseMesh& base = surface_.base;
+    for (const Vector3d& position : base.positions) add(position, true);
+    lines_.reserve(base.edges.size());
+    for (const BaseEdge& edge : base.edges) lines_.push_back(line_of(edge));
+    surface_.vertices_of_edge.resize(mesh.edges().size());
+    for (size_t e = 0; e < mesh.edges().size(); ++e)
+      for (const int piece : base.edges_of_edge[e]) {
+        std::vector<int>& chain = surface_.vertices_of_edge[e];
+        if (!chain.empty()) chain.pop_back();
+        chain.insert(chain.end(), lines_[at(piece)].vertices.begin(), lines_[at(piece)].vertices.end());
+      }
+    for (size_t f = 0; f < base.faces.size(); ++f) {
+      if (f % 64 == 0)
+        progress.report("refine", static_cast<double>(f) / static_cast<double>(base.faces.size()));
+      const BaseFace& face = base.faces[f];
+      std::vector<Line> sides;
+      for (const int side : face.sides) {
+        const Line& line = lines_[at(edge_of(side))];
+        sides.push_back((side & 1) != 0 ? reversed_line(line) : line);
+      }
+      if (sides.size() == 4)
+        fill(sides[0], sides[1], reversed_line(sides[2]), reversed_line(sides[3]), face.face);
+      else
+        refine_triangle(face, sides);
+    }
+    Points positions(static_cast<Index>(positions_.size()), 3);
+    for (size_t v = 0; v < positions_.size(); ++v)
+      positions.row(static_cast<Index>(v)) = positions_[v].transpose();
+    surface_.refined.mesh.positions = std::move(positions);
+    surface_.on_curve = std::move(on_curve_);
+  }
+
+ private:
+  int add(const Vector3d& position, bool on_curve) {
+    positions_.push_back(position);
+    on_curve_.push_back(on_curve ? 1 : 0);
+    return static_cast<int>(positions_.size()) - 1;
+  }
+
+  Line line_of(const BaseEdge& edge) {
+    Line line;
+    line.samples = edge.polyline->sampled(kPointsOfEdge * m_);
+    line.vertices.push_back(edge.from);
+    for (int k = 1; k < m_; ++k)
+      line.vertices.push_back(add(line.samples.row(kPointsOfEdge * k), edge.drawn));
+    line.vertices.push_back(edge.to);
+    const double length = edge.polyline->length();
+    for (int k = 0; k < m_; ++k) {
+      const int from = line.vertices[at(k)], to = line.vertices[at(k + 1)];
+      if (edge.sharpness > 0)
+        surface_.refined.sharp_edges.push_back(
+            {from, to, edge.sharpness >= 1 ? kInfinitelySharp : 4 * edge.sharpness});
+      if (with_polylines_)
+        surface_.refined.polylines.push_back(
+            {from, to,
+             part_of(*edge.polyline, length * k / m_, length * (k + 1) / m_, positions_[at(from)].transpose(),
+                     positions_[at(to)].transpose())});
+    }
+    return line;
+  }
+
+  /// A line of new vertices inside a face, between two that are there.
+  Line inner_line(int from, int to, Points samples) {
+    const int m = static_cast<int>(samples.rows() - 1) / kPointsOfEdge;
+    samples.row(0) = positions_[at(from)].transpose();
+    samples.row(samples.rows() - 1) = positions_[at(to)].transpose();
+    Line line{{from}, std::move(samples)};
+    for (int k = 1; k < m; ++k) line.vertices.push_back(add(line.samples.row(kPointsOfEdge * k), false));
+    line.vertices.push_back(to);
+    add_polylines(line);
+    return line;
+  }
+
+  void add_polylines(const Line& line) {
+    if (!with_polylines_) return;
+    for (size_t k = 0; k + 1 < line.vertices.size(); ++k)
+      surface_.refined.polylines.push_back(
+          {line.vertices[k], line.vertices[k + 1],
+           line.samples.middleRows(kPointsOfEdge * static_cast<Index>(k), kPointsOfEdge + 1)});
+  }
+
+  /// H 6.2: a triangle is a patch with a side without length; three lines run from its centre to the middles
+  /// of its sides.
+  void refine_triangle(const BaseFace& face, const std::vector<Line>& sides) {
+    std::vector<SharedPolyline> curves;
+    for (const int side : face.sides) curves.push_back(surface_.base.polyline_of(side));
+    const auto pole = static_cast<size_t>(
+        pole_of_triangle({curves[0]->length(), curves[1]->length(), curves[2]->length()}));
+    const CoonsPatch patch = associate_quad(curves).patch;
+    const Eigen::Vector2d middle(0.5, 0.5);
+    const int centre = add(patch.at(0.5, 0.5), false);
+    // From the pole on the sides lie along u = 1, v = 1 and u = 0.
+    const std::array<Eigen::Vector2d, 3> ends{Eigen::Vector2d(1, 0.5), Eigen::Vector2d(0.5, 1),
+                                              Eigen::Vector2d(0, 0.5)};
+    std::array<Line, 3> spokes;  // from the middle of side k to the centre
+    for (size_t k = 0; k < 3; ++k) {
+      const size_t side = (pole + k) % 3;
+      spokes[side] = inner_line(sides[side].vertices[at(m_ / 2)], centre,
+                                patch.along(ends[k], middle, kPointsOfEdge * m_ / 2));
+    }
+    for (size_t k = 0; k < 3; ++k) {  // the quad at the corner where side k begins
+      const size_t before = (k + 2) % 3;
+      fill(half_of(sides[k], false), spokes[k], spokes[before], half_of(reversed_line(sides[before]), false),
+           face.face);
+    }
+  }
+
+  /// The grid over a quad from its lower, right, upper and left line, the upper one and the left one against
+  /// the sense of the walk around the quad.
+  void fill(const Line& low, const Line& right, const Line& high, const Line& left, int face) {
+    const int m = static_cast<int>(low.vertices.size()) - 1, n = kPointsOfEdge * m;
+    const Eigen::RowVector3d p00 = low.samples.row(0), p10 = low.samples.row(n), p01 = high.samples.row(0),
+                             p11 = high.samples.row(n);
+    const auto patch = [&](int i, int j) -> Eigen::RowVector3d {
+      const double u = static_cast<double>(i) / n, v = static_cast<double>(j) / n;
+      return (1 - v) * low.samples.row(i) + v * high.samples.row(i) + (1 - u) * left.samples.row(j) +
+             u * right.samples.row(j) - (1 - u) * (1 - v) * p00 - u * (1 - v) * p10 - (1 - u) * v * p01 -
+             u * v * p11;
+    };
+    Eigen::MatrixXi grid(m + 1, m + 1);
+    for (int k = 0; k <= m; ++k) {
+      grid(k, 0) = low.vertices[at(k)];
+      grid(k, m) = high.vertices[at(k)];
+      grid(0, k) = left.vertices[at(k)];
+      grid(m, k) = right.vertices[at(k)];
+    }
+    for (int j = 1; j < m; ++j)
+      for (int i = 1; i < m; ++i)
+        grid(i, j) = add(patch(kPointsOfEdge * i, kPointsOfEdge * j).transpose(), false);
+    if (with_polylines_)
+      for (const bool across : {false, true})
+        for (int j = 1; j < m; ++j) {
+          Line line;
+          line.samples.resize(n + 1, 3);
+          for (int i = 0; i <= n; ++i)
+            line.samples.row(i) = across ? patch(kPointsOfEdge * j, i) : patch(i, kPointsOfEdge * j);
+          for (int i = 0; i <= m; ++i) {
+            line.vertices.push_back(across ? grid(j, i) : grid(i, j));
+            line.samples.row(kPointsOfEdge * i) = positions_[at(line.vertices.back())].transpose();
+          }
+          add_polylines(line);
+        }
+    PolygonMesh& mesh = surface_.refined.mesh;
+    for (int j = 0; j < m; ++j)
+      for (int i = 0; i < m; ++i) {
+        const int walk[4] = {grid(i, j), grid(i + 1, j), grid(i + 1, j + 1), grid(i, j + 1)};
+        // Quads begin on the side of the corner of their part, and are cut into triangles from there: the
+        // patch touches the plane of its sides at a corner, and so would a triangle that cuts it off.
+        const bool right_half = 2 * i >= m && m > 1, upper_half = 2 * j >= m && m > 1;
+        const int first = upper_half ? (right_half ? 2 : 3) : (right_half ? 1 : 0);
+        for (int k = 0; k < 4; ++k) mesh.corners.push_back(walk[(first + k) % 4]);
+        mesh.offsets.push_back(static_cast<int>(mesh.corners.size()));
+        surface_.face_of_quad.push_back(face);
+      }
+  }
+
+  CoonsSurface& surface_;
+  int m_;  ///< edges of the refined mesh along one of the base mesh
+  bool with_polylines_;
+  std::vector<Line> lines_;
+  std::vector<Vector3d> positions_;
+  std::vector<char> on_curve_;
+};
+
+/// Takes what a subdivision gives over to the finished surface.
+void take(SubdividedSurface&& fine, const std::vector<int>& face_of_quad, bool limit, CoonsSurface& surface) {
+  surface.fine = std::move(fine.cage.mesh);
+  if (limit) surface.fine.positions = std::move(fine.limit_positions);
+  surface.normals = std::move(fine.limit_normals);
+  for (const int parent : fine.face_parent) surface.face_of_fine.push_back(face_of_quad[at(parent)]);
+}
+
+void finish(const CoonsOptions& options, CoonsSurface& surface, const Progress& progress) {
+  if (!ends_in_catmull_clark(options.scheme)) {
+    const ScopedStage stage(surface.times, "subdivision");
+    take(subdivide(surface.refined,
+                   {.scheme = options.scheme == FinalScheme::Nuliss ? SubdivisionScheme::Nuliss
+                                                                    : SubdivisionScheme::NulissMod,
+                    .levels = options.levels,
+                    .limit = true},
+                   progress),
+         surface.face_of_quad, false, surface);
+    return;
+  }
+  int levels = options.levels;
+  std::vector<int> faces = surface.face_of_quad;
+  {
+    const ScopedStage stage(surface.times, "cage");
+    if (options.scheme == FinalScheme::NulissModCatmullClark) {
+      SubdividedSurface once =
+          subdivide(surface.refined, {.scheme = SubdivisionScheme::NulissMod, .levels = 1}, progress);
+      faces.clear();
+      for (const int parent : once.face_parent) faces.push_back(surface.face_of_quad[at(parent)]);
+      surface.cage = std::move(once.cage);
+      --levels;
+    } else {
+      surface.cage = surface.refined;
+    }
+    surface.cage.polylines.clear();
+    if (options.through_curves)
+      detail::fit_limit(surface.cage, Points(surface.cage.mesh.positions), progress);
+  }
+  const ScopedStage stage(surface.times, "subdivision");
+  take(subdivide(surface.cage, {.levels = levels, .limit = true}, progress), faces, true, surface);
+}
+
+}  // namespace
+
+std::optional<std::string> CoonsOptions::problem() const {
+  if (steps < 1 || steps > 6) return concat("steps must be 1 to 6, got ", steps);
+  if (levels < 0 || levels > 6) return concat("levels must be 0 to 6, got ", levels);
+  if (scheme == FinalScheme::NulissModCatmullClark && levels < 1)
+    return "levels must be 1 or more with a scheme whose first level is NULISSmod, got 0";
+  return std::nullopt;
+}
+
+CoonsSurface coons_surface(const PolylineMesh& mesh, const CoonsOptions& options, const Progress& progress) {
+  if (const auto problem = options.problem()) throw InvalidInput(*problem);
+  CoonsSurface surface;
+  {
+    const ScopedStage stage(surface.times, "triquadrification");
+    surface.base = triquadrified(mesh, options.search);
+  }
+  double quads = 0;
+  for (const BaseFace& face : surface.base.faces) quads += face.sides.size() == 4 ? 1 : 0.75;
+  quads *= std::pow(4.0, options.steps + options.levels);
+  if (quads > kMostQuads)
+    throw InvalidInput(
+        concat("the surface would have ", quads, " quads; use fewer steps of refinement or fewer levels"));
+  {
+    const ScopedStage stage(surface.times, "refine");
+    BasicRefinement(options, surface).run(mesh, progress);
+    detail::turn_outwards(mesh, surface.refined.mesh, surface.face_of_quad);
+  }
+  {
+    const ScopedStage stage(surface.times, "check");
+    detail::require_sound(surface.refined.mesh, surface.face_of_quad, surface.on_curve,
+                          surface.refined.mesh.positions);
+  }
+  finish(options, surface, progress);
+  // Interpolation overshoots where curves turn sharply: what is handed out is checked, not only its start.
+  const ScopedStage stage(surface.times, "check");
+  const Index n = surface.fine.positions.rows();
+  std::vector<char> on_curve = surface.on_curve;
+  on_curve.resize(static_cast<size_t>(n), 0);
+  Points start = surface.fine.positions;
+  start.topRows(surface.refined.mesh.positions.rows()) = surface.refined.mesh.positions;
+  detail::require_sound(surface.fine, surface.face_of_fine, on_curve, start);
+  return surface;
+}
+
+}  // namespace batten

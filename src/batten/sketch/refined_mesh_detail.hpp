@@ -1,0 +1,25 @@
+#pragma once
+#include <vector>
+
+#include "batten/core/progress.hpp"
+#include "batten/mesh/control_cage.hpp"
+#include "batten/sketch/polyline_mesh.hpp"
+
+// What the surfaces of a model share; all of it is in diffusion_surface.cpp.
+namespace batten::detail {
+
+/// Moves the vertices of a cage of quads until its Catmull–Clark limit surface goes through `target`.
+/// @param target n × 3, one per vertex. @throws SolverFailure, Cancelled.
+void fit_limit(ControlCage& cage, const Points& target, const Progress& progress);
+
+/// Refuses a mesh of quads that folds, crosses itself, is not finite, or whose vertices on curves have left
+/// `start` by more than a share of the size.
+/// @param face_of_quad face of the model per quad. @param on_curve, start per vertex.
+/// @throws InvalidInput naming the faces and the remedy.
+void require_sound(const PolygonMesh& mesh, const std::vector<int>& face_of_quad,
+                   const std::vector<char>& on_curve, const Points& start);
+
+/// Turns closed components so that normals point outwards, by the sign of their volume.
+void turn_outwards(const PolylineMesh& model, PolygonMesh& mesh, const std::vector<int>& face_of_quad);
+
+}  // namespace batten::detail
