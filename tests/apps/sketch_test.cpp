@@ -148,7 +148,7 @@ TEST(SketchCommand, MethodV1MakesSurfacesOfAllExampleSessions) {
           run_json("sketch " + folder + name + ".jsonl -o " + name + "_v1.batten --method v1 --scheme " +
                    scheme + " --levels 1 --surface " + out);
       EXPECT_EQ(json["surface"]["division"]["flaws"], 0) << name;
-      EXPECT_GT(json["surface"]["base_quads"], 0) << name;
+      EXPECT_GT(json["surface"]["quads"], 0) << name;
       EXPECT_TRUE(json["seconds"].contains("triquadrification")) << name;
       const Json surface = run_json("info " + out);
       EXPECT_EQ(surface["genus"], genus) << name;

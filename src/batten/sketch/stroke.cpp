@@ -248,8 +248,15 @@ Spline least_squares_spline(const std::vector<Sample>& samples, const std::vecto
   return spline;
 }
 
-/// The spline with as few spans as follow the samples to within `tolerance` (root mean square per
-/// coordinate), at most one for every two samples: more would swing between them.
+/// What a spline is asked for.
+struct FitAims {
+  double tolerance;  ///< root mean square distance from the samples
+  double bending;    ///< see least_squares_spline()
+  /// At most one span for every two samples or so: more would follow their noise and swing between them.
+  bool noisy;
+};
+
+/// The spline with as few spans as follow the samples.
 Spline fitted_spline(const std::vector<Sample>& samples, const std::vector<Sample>& held, bool periodic,
                      const FitAims& aims) {
   Spline best;

@@ -1,0 +1,69 @@
+#include "batten/sketch/stroke.hpp"
+
+#include <cmath>
+
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
+#include "batten/core/random.hpp"
+#include "batten/core/units.hpp"
+
+namespace batten {
+namespace {
+
+using Eigen::Vector3d;
+
+double length_of(const FittedStroke& fitted) {
+  double length = 0;
+  for (const FittedStroke::Piece& piece : fitted.pieces)
+    for (Eigen::Index i = 1; i < piece.points.rows(); ++i)
+      length += (piece.points.row(i) - piece.points.row(i - 1)).norm();
+  return length;
+}
+
+// A spine with tremor, held at crossings that lie off it by as much: where a sample is close to a held point, the two
+// ask for a slope that has nothing to do with the stroke, and the curve must not swing after it. The straight line is 15
+// long.
+TEST(FitStroke, DoesNotSwingBesideHeldPoints) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    Random random(seed);
+    Points points(91, 3);
+    for (int i = 0; i <= 90; ++i)
+      points.row(i) << 0.003 * random.normal(), 0.003 * random.normal(), 15.0 * i / 90 + 0.003 * random.normal();
+    const Stroke stroke = prepare_stroke(points, {});
+    std::vector<HeldPoint> held{{0, Vector3d(0, 0, 0)}};
+    for (const double z : {4.5, 8.0, 10.01, 12.0})
+      held.push_back({z / 15 * stroke.length, Vector3d(0.004 * random.normal(), 0.004 * random.normal(), z)});
+    held.push_back({stroke.length, Vector3d(0, 0, 15)});
+    EXPECT_NEAR(length_of(fit_stroke(stroke, held)), 15, 0.02) << seed;
+  }
+}
+
+// Samples far apart at a steep end, dense elsewhere: more spans than samples there. The profile of an outline,
+// |y/4|⁴ + |z/2.2|⁴ = 1, sampled at equal steps of y, so that the first step rises by 0.7.
+TEST(FitStroke, DoesNotSwingWhereSamplesAreFarApart) {
+  const auto profile = [](double y) { return Vector3d(0, y, 2.2 * std::pow(1 - std::pow(y / 4, 4), 0.25)); };
+  double truth = 0;
+  constexpr int kFine = 4000;  // over the angle, where no step is steep
+  const auto at_angle = [](double a) {
+    const double c = std::cos(a), s = std::sin(a);
+    return Vector3d(0, 4 * std::copysign(std::sqrt(std::abs(c)), c), 2.2 * std::sqrt(std::abs(s)));
+  };
+  for (int i = 0; i < kFine; ++i) truth += (at_angle(kPi * (i + 1) / kFine) - at_angle(kPi * i / kFine)).norm();
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    Random random(seed);
+    Points points(161, 3);
+    for (int i = 0; i <= 160; ++i) {
+      points.row(i) = profile(-4 + 8.0 * i / 160).transpose();
+      if (i > 0 && i < 160)
+        for (int k = 0; k < 3; ++k) points(i, k) += 0.003 * random.normal();
+    }
+    const Stroke stroke = prepare_stroke(points, {});
+    const std::vector<HeldPoint> held{{0, Vector3d(0.001, -3.999, 0.001)},
+                                      {stroke.length, Vector3d(0.001, 4.001, -0.001)}};
+    EXPECT_NEAR(length_of(fit_stroke(stroke, held)), truth, 0.01 * truth) << seed;
+  }
+}
+
+}  // namespace
+}  // namespace batten
