@@ -92,6 +92,7 @@ TEST(FlattenCrossingPatches, LeavesAloneWhatItCannotMend) {
     const Eigen::RowVector3d lying = before.mesh.positions.row(v);
     before.mesh.positions.row(v) << lying.x(), 0.45, lying.y() - 0.5;
   }
+  before.mesh.normals = vertex_normals(before.mesh.positions, before.mesh.triangles);
   SurfaceResult surface = before;
   const FlatteningReport report = flatten_crossing_patches(surface);
   EXPECT_GT(report.crossings_before, 0u);
