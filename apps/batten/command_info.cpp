@@ -165,12 +165,16 @@ int count_boundary_loops(const CurveNetwork& network) {
 void add_sketch_counts(const CurveNetwork& network, const Context& context, Outcome& outcome) {
   Json& f = outcome.figures;
   SketchNetwork made;
+  Outcome reading;
   try {
-    made = read_sketch({}, network, context, outcome);
+    made = read_sketch({}, network, context, reading);
   } catch (const InvalidInput& problem) {
     outcome.lines.push_back(concat("no patches: ", problem.what()));
     return;
   }
+  outcome.times.add(reading.times);
+  f.update(reading.figures);
+  outcome.lines.insert(outcome.lines.end(), reading.lines.begin(), reading.lines.end());
   for (const char* count : {"nodes", "segments", "components"}) f["stored"][count] = f[count];
   const NetworkTopology topology = network_topology(made.network);
   f["nodes"] = topology.nodes.size();

@@ -21,15 +21,16 @@ double length_of(const FittedStroke& fitted) {
   return length;
 }
 
-// A spine with tremor, held at crossings that lie off it by as much: where a sample is close to a held point, the two
-// ask for a slope that has nothing to do with the stroke, and the curve must not swing after it. The straight line is 15
-// long.
+// A spine with tremor, held at crossings that lie off it by as much: where a sample is close to a held point,
+// the two ask for a slope that has nothing to do with the stroke, and the curve must not swing after it. The
+// straight line is 15 long.
 TEST(FitStroke, DoesNotSwingBesideHeldPoints) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     Random random(seed);
     Points points(91, 3);
     for (int i = 0; i <= 90; ++i)
-      points.row(i) << 0.003 * random.normal(), 0.003 * random.normal(), 15.0 * i / 90 + 0.003 * random.normal();
+      points.row(i) << 0.003 * random.normal(), 0.003 * random.normal(),
+          15.0 * i / 90 + 0.003 * random.normal();
     const Stroke stroke = prepare_stroke(points, {});
     std::vector<HeldPoint> held{{0, Vector3d(0, 0, 0)}};
     for (const double z : {4.5, 8.0, 10.01, 12.0})
@@ -39,8 +40,8 @@ TEST(FitStroke, DoesNotSwingBesideHeldPoints) {
   }
 }
 
-// Samples far apart at a steep end, dense elsewhere: more spans than samples there. The profile of an outline,
-// |y/4|⁴ + |z/2.2|⁴ = 1, sampled at equal steps of y, so that the first step rises by 0.7.
+// Samples far apart at a steep end, dense elsewhere: more spans than samples there. The profile of an
+// outline, |y/4|⁴ + |z/2.2|⁴ = 1, sampled at equal steps of y, so that the first step rises by 0.7.
 TEST(FitStroke, DoesNotSwingWhereSamplesAreFarApart) {
   const auto profile = [](double y) { return Vector3d(0, y, 2.2 * std::pow(1 - std::pow(y / 4, 4), 0.25)); };
   double truth = 0;
@@ -49,7 +50,8 @@ TEST(FitStroke, DoesNotSwingWhereSamplesAreFarApart) {
     const double c = std::cos(a), s = std::sin(a);
     return Vector3d(0, 4 * std::copysign(std::sqrt(std::abs(c)), c), 2.2 * std::sqrt(std::abs(s)));
   };
-  for (int i = 0; i < kFine; ++i) truth += (at_angle(kPi * (i + 1) / kFine) - at_angle(kPi * i / kFine)).norm();
+  for (int i = 0; i < kFine; ++i)
+    truth += (at_angle(kPi * (i + 1) / kFine) - at_angle(kPi * i / kFine)).norm();
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     Random random(seed);
     Points points(161, 3);
