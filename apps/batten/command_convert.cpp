@@ -1,5 +1,6 @@
 #include "command.hpp"
 #include "model_file.hpp"
+#include "sketch_stage.hpp"
 
 #include <memory>
 #include <string>
@@ -20,7 +21,7 @@ namespace {
 
 struct ConvertArguments {
   std::string in, out, resample, weld;
-  bool ascii = false;
+  bool ascii = false, sketch = false;
 };
 
 /// A length option in the unit of the network.
@@ -43,8 +44,14 @@ void require(bool holds, const std::string& problem) {
   if (!holds) throw CLI::ValidationError(problem);
 }
 
-void convert_network(CurveNetwork network, const ConvertArguments& arguments, Outcome& outcome) {
+void convert_network(CurveNetwork network, const ConvertArguments& arguments, const Context& context,
+                     Outcome& outcome) {
   const NetworkFormat format = network_format(arguments.out);
+  if (arguments.sketch) {
+    if (network.has_normals())
+      throw InvalidInput(concat(arguments.in, " has normals, so it is no sketch; leave --sketch out"));
+    outcome.figures["cycles"] = run_sketch_stage({}, network, context, outcome).size();
+  }
   if (!arguments.weld.empty()) {
     ScopedStage stage(outcome.times, "weld");
     WeldReport report;
@@ -81,8 +88,8 @@ void convert_network(CurveNetwork network, const ConvertArguments& arguments, Ou
 }
 
 void convert_mesh(const TriangleMesh& mesh, const ConvertArguments& arguments, Outcome& outcome) {
-  require(arguments.resample.empty() && arguments.weld.empty(),
-          "--resample and --weld are for networks; " + arguments.in + " is a mesh");
+  require(arguments.resample.empty() && arguments.weld.empty() && !arguments.sketch,
+          "--resample, --weld and --sketch are for networks; " + arguments.in + " is a mesh");
   const MeshFormat format = mesh_format(arguments.out);
   MeshWriteOptions options;
   options.ascii = arguments.ascii;
@@ -99,8 +106,8 @@ void convert_mesh(const TriangleMesh& mesh, const ConvertArguments& arguments, O
 }
 
 void convert_scan(const ConvertArguments& arguments, Outcome& outcome) {
-  require(arguments.resample.empty() && arguments.weld.empty(),
-          "--resample and --weld are for networks; " + arguments.in + " is a scan");
+  require(arguments.resample.empty() && arguments.weld.empty() && !arguments.sketch,
+          "--resample, --weld and --sketch are for networks; " + arguments.in + " is a scan");
   const bool is_log = file_extension(arguments.in) == "csv";
   if (file_extension(arguments.out) != "rawnet")
     throw FileError(arguments.out, 0,
@@ -128,7 +135,7 @@ void convert_scan(const ConvertArguments& arguments, Outcome& outcome) {
       concat(arguments.out, ": ", scan.scan.curves.size(), " curves, ", n_readings, " readings"));
 }
 
-Outcome run_convert(const ConvertArguments& arguments) {
+Outcome run_convert(const ConvertArguments& arguments, const Context& context) {
   Outcome outcome;
   outcome.figures["in"] = arguments.in;
   outcome.figures["out"] = arguments.out;
@@ -145,7 +152,7 @@ Outcome run_convert(const ConvertArguments& arguments) {
   if (model.mesh)
     convert_mesh(*model.mesh, arguments, outcome);
   else
-    convert_network(std::move(*model.network), arguments, outcome);
+    convert_network(std::move(*model.network), arguments, context, outcome);
   return outcome;
 }
 
@@ -164,7 +171,7 @@ void add_convert(CLI::App& app) {
   auto arguments = std::make_shared<ConvertArguments>();
   CLI::App* command = add_command(app, "convert", "Write a mesh, a network or a scan in another format.",
                                   "batten convert sketch.obj net.json --weld 0.5% --resample 1.6%",
-                                  [arguments](Context&) { return run_convert(*arguments); });
+                                  [arguments](Context& context) { return run_convert(*arguments, context); });
   command->add_option("IN", arguments->in, "Mesh, network or scan")->required();
   command->add_option("OUT", arguments->out, "File to write; its extension decides the format")->required();
   command
@@ -175,6 +182,8 @@ void add_convert(CLI::App& app) {
       ->add_option("--resample", arguments->resample,
                    "Networks: sample evenly along Hermite splines (0.05, 2mm, 1.6%)")
       ->check(length_problem);
+  command->add_flag("--sketch", arguments->sketch,
+                    "Networks without normals: mend and sample the strokes as `surface` does, with normals");
   command->add_flag("--ascii", arguments->ascii, "Meshes: write PLY and STL as text");
 }
 

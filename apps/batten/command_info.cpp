@@ -1,5 +1,6 @@
 #include "command.hpp"
 #include "model_file.hpp"
+#include "sketch_stage.hpp"
 
 #include <algorithm>
 #include <map>
@@ -159,7 +160,36 @@ int count_boundary_loops(const CurveNetwork& network) {
   return n;
 }
 
-void add_network(const CurveNetwork& network, Outcome& outcome) {
+/// What the strokes of a network without normals amount to, counted as `surface` counts it; the counts of the
+/// file as it is move to "stored".
+void add_sketch_counts(const CurveNetwork& network, const Context& context, Outcome& outcome) {
+  Json& f = outcome.figures;
+  SketchNetwork made;
+  Outcome reading;
+  try {
+    made = read_sketch({}, network, context, reading);
+  } catch (const InvalidInput& problem) {
+    outcome.lines.push_back(concat("no patches: ", problem.what()));
+    return;
+  }
+  outcome.times.add(reading.times);
+  f.update(reading.figures);
+  outcome.lines.insert(outcome.lines.end(), reading.lines.begin(), reading.lines.end());
+  for (const char* count : {"nodes", "segments", "components"}) f["stored"][count] = f[count];
+  const NetworkTopology topology = network_topology(made.network);
+  f["nodes"] = topology.nodes.size();
+  f["segments"] = topology.segments.size();
+  f["components"] = topology.n_components;
+  f["cycles"] = made.estimate.cycles.size();
+  f["genus"] = made.estimate.n_handles;
+  outcome.lines.push_back(
+      concat("as a surface: ", counted(static_cast<long>(topology.nodes.size()), "node", "nodes"), ", ",
+             counted(static_cast<long>(topology.segments.size()), "segment", "segments"), ", ",
+             counted(static_cast<long>(made.estimate.cycles.size()), "cycle", "cycles"), ", ",
+             counted(topology.n_components, "component", "components"), ", genus ", made.estimate.n_handles));
+}
+
+void add_network(const CurveNetwork& network, const Context& context, Outcome& outcome) {
   NetworkTopology topology;
   std::vector<NetworkFinding> findings;
   Json cycles = nullptr;
@@ -224,6 +254,7 @@ void add_network(const CurveNetwork& network, Outcome& outcome) {
   add_box(network.positions, outcome);
   outcome.lines.push_back(concat("length ", total, ", curves ", shortest, " to ", longest, ", steps ",
                                  min_step, " to ", max_step));
+  if (!network.has_normals() && !network.curves.empty()) add_sketch_counts(network, context, outcome);
   Json list = Json::array();
   for (const NetworkFinding& finding : findings) {
     Json entry = {{"defect", defect_name(finding.defect)}, {"sentence", finding.sentence}};
@@ -295,7 +326,7 @@ bool is_calibration(const std::string& path) {
   return json.is_object() && json.contains("format") && json["format"] == "batten calibration";
 }
 
-Outcome run_info(const std::string& path) {
+Outcome run_info(const std::string& path, const Context& context) {
   Outcome outcome;
   outcome.figures["file"] = path;
   const std::string extension = file_extension(path);
@@ -328,7 +359,7 @@ Outcome run_info(const std::string& path) {
   if (model.mesh)
     add_mesh(*model.mesh, outcome);
   else
-    add_network(*model.network, outcome);
+    add_network(*model.network, context, outcome);
   return outcome;
 }
 
@@ -336,9 +367,9 @@ Outcome run_info(const std::string& path) {
 
 void add_info(CLI::App& app) {
   auto path = std::make_shared<std::string>();
-  CLI::App* command =
-      add_command(app, "info", "Count, measure and diagnose a mesh, a network, a scan or a calibration.",
-                  "batten info net.json --json", [path](Context&) { return run_info(*path); });
+  CLI::App* command = add_command(
+      app, "info", "Count, measure and diagnose a mesh, a network, a scan or a calibration.",
+      "batten info net.json --json", [path](Context& context) { return run_info(*path, context); });
   command->add_option("FILE", *path, "Mesh, network, scan or calibration")->required();
 }
 

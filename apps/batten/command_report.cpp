@@ -1,4 +1,5 @@
 #include "command.hpp"
+#include "sketch_comparison.hpp"
 #include "thesis_h.hpp"
 
 #include <algorithm>
@@ -15,10 +16,12 @@ namespace batten::cli {
 namespace {
 
 constexpr const char* kDefaultData = "../shared/data";
+constexpr const char* kDefaultSessions = "examples/sessions";
 
 struct ReportArguments {
   std::string experiment, output, data;
   std::vector<std::string> tables;
+  SketchComparisonOptions sketch;
 };
 
 /// The number of characters of UTF-8 text.
@@ -46,19 +49,61 @@ void print(const ReportGrid& grid, std::vector<std::string>& lines) {
   lines.emplace_back();
 }
 
-std::string data_folder(const ReportArguments& arguments, Outcome& outcome) {
-  const std::string folder = arguments.data.empty() ? kDefaultData : arguments.data;
+/// The folder of --data, or the usual one where that is there; else empty, with a warning.
+/// @param content what lies in it.
+std::string data_folder(const ReportArguments& arguments, const char* usual, const char* content,
+                        Outcome& outcome) {
+  const std::string folder = arguments.data.empty() ? usual : arguments.data;
   if (std::filesystem::is_directory(folder)) return folder;
   if (!arguments.data.empty())
-    throw FileError(folder, 0, "there is no such folder; --data names the one with the meshes of the thesis");
+    throw FileError(folder, 0, concat("there is no such folder; --data names the one with the ", content));
   outcome.warnings.push_back(
-      concat("there is no folder ", folder, "; name the one with the meshes by --data"));
+      concat("there is no folder ", folder, "; name the one with the ", content, " by --data"));
   return {};
 }
 
-Outcome run_report(const ReportArguments& arguments, Context& context) {
+std::string joined(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : ",") + word;
+  return text;
+}
+
+Outcome run_sketch_report(const ReportArguments& arguments, Context& context) {
   Outcome outcome;
-  const std::string folder = data_folder(arguments, outcome);
+  const std::string folder = data_folder(arguments, kDefaultSessions, "sessions", outcome);
+  SketchComparisonOptions options = arguments.sketch;
+  options.pictures = !arguments.output.empty();
+  SketchComparison found = compare_sketch_surfaces(folder, options, context.progress);
+  outcome.times.add(found.times);
+  outcome.warnings.insert(outcome.warnings.end(), found.warnings.begin(), found.warnings.end());
+  outcome.figures["experiment"] = arguments.experiment;
+  outcome.figures["data"] = folder.empty() ? Json(nullptr) : Json(folder);
+  outcome.figures["models"] = std::move(found.models);
+  print(found.grid, outcome.lines);
+  if (arguments.output.empty()) return outcome;
+
+  Report report;
+  report.title = "Surfaces of sketched models compared";
+  report.subject = folder;
+  report.version = BATTEN_VERSION;
+  report.command_line = concat("batten report sketch -o ", arguments.output,
+                               arguments.data.empty() ? "" : " --data " + arguments.data);
+  if (options.methods.size() < model_surface_methods().size())
+    report.command_line += " --methods " + joined(options.methods);
+  if (!options.models.empty()) report.command_line += " --models " + joined(options.models);
+  report.command_line += concat(" --levels ", options.surface.levels);
+  report.grids.push_back(std::move(found.grid));
+  report.pictures = std::move(found.pictures);
+  report.warnings = outcome.warnings;
+  report.times = outcome.times;
+  write_file(arguments.output, html(report));
+  outcome.lines.push_back("wrote " + arguments.output);
+  return outcome;
+}
+
+Outcome run_thesis_report(const ReportArguments& arguments, Context& context) {
+  Outcome outcome;
+  const std::string folder = data_folder(arguments, kDefaultData, "meshes of the thesis", outcome);
   ThesisTables found = thesis_h(folder, arguments.tables, !arguments.output.empty(), context.progress);
   outcome.times.add(found.times);
   outcome.warnings.insert(outcome.warnings.end(), found.warnings.begin(), found.warnings.end());
@@ -82,9 +127,7 @@ Outcome run_report(const ReportArguments& arguments, Context& context) {
   report.command_line = concat("batten report ", arguments.experiment, " -o ", arguments.output,
                                arguments.data.empty() ? "" : " --data " + arguments.data);
   if (arguments.tables.size() < thesis_h_tables().size()) {
-    std::string tables;
-    for (const std::string& table : arguments.tables) tables += (tables.empty() ? "" : ",") + table;
-    report.command_line += " --tables " + tables;
+    report.command_line += " --tables " + joined(arguments.tables);
   }
   report.grids = std::move(found.grids);
   report.pictures = std::move(found.pictures);
@@ -101,13 +144,18 @@ Outcome run_report(const ReportArguments& arguments, Context& context) {
 void add_report(CLI::App& app) {
   auto arguments = std::make_shared<ReportArguments>();
   arguments->tables = thesis_h_tables();
-  CLI::App* command =
-      add_command(app, "report", "Repeat the tables of a thesis with our figures beside its own.",
-                  "batten report thesis-h -o thesis-h.html --data ../shared/data",
-                  [arguments](Context& context) { return run_report(*arguments, context); });
-  command->add_option("EXPERIMENT", arguments->experiment, "thesis-h: Huska, chapter 2")
+  arguments->sketch.methods = model_surface_methods();
+  CLI::App* command = add_command(
+      app, "report", "Repeat the tables of a thesis, or compare the surfaces of sketched models.",
+      "batten report thesis-h -o thesis-h.html --data ../shared/data", [arguments](Context& context) {
+        return (arguments->experiment == "sketch" ? run_sketch_report : run_thesis_report)(*arguments,
+                                                                                           context);
+      });
+  command
+      ->add_option("EXPERIMENT", arguments->experiment,
+                   "thesis-h: Huska, chapter 2; sketch: the methods of batten sketch on the same models")
       ->required()
-      ->check(CLI::IsMember({"thesis-h"}));
+      ->check(CLI::IsMember({"thesis-h", "sketch"}));
   command->add_option("-o,--output", arguments->output, "HTML page to write, with pictures")
       ->check([](const std::string& path) {
         const std::string extension = file_extension(path);
@@ -115,10 +163,18 @@ void add_report(CLI::App& app) {
                                                          : concat("--output must name an .html file: ", path);
       });
   command->add_option("--data", arguments->data,
-                      concat("Folder with the meshes, by their names; by default ", kDefaultData));
-  command->add_option("--tables", arguments->tables, "Only these tables, joined by commas")
+                      concat("Folder with the meshes, by their names, or with the sessions; by default ",
+                             kDefaultData, " and ", kDefaultSessions));
+  command->add_option("--tables", arguments->tables, "thesis-h: only these tables, joined by commas")
       ->delimiter(',')
       ->check(CLI::IsMember(thesis_h_tables()));
+  command->add_option("--methods", arguments->sketch.methods, "sketch: only these methods, joined by commas")
+      ->delimiter(',')
+      ->check(CLI::IsMember(model_surface_methods()));
+  command->add_option("--models", arguments->sketch.models, "sketch: only these models, joined by commas")
+      ->delimiter(',');
+  command->add_option("--levels", arguments->sketch.surface.levels, "sketch: levels of subdivision, 0 to 6")
+      ->check(CLI::Range(0, 6));
 }
 
 }  // namespace batten::cli

@@ -1,5 +1,5 @@
 #include "command.hpp"
-#include "coons_stage.hpp"
+#include "model_surface.hpp"
 
 #include <algorithm>
 #include <memory>
@@ -12,22 +12,17 @@
 #include "batten/session/edit_json.hpp"
 #include "batten/session/journal.hpp"
 #include "batten/session/project.hpp"
-#include "batten/sketch/diffusion_surface.hpp"
-#include "batten/sketch/model_network.hpp"
 #include "batten/subdivision/bspline_surface.hpp"
 #include "batten/subdivision/step.hpp"
-#include "batten/subdivision/subdivide.hpp"
-#include "batten/surfacing/surface.hpp"
 
 namespace batten::cli {
 
 namespace {
 
 struct SketchArguments {
-  std::string session, output, surface, method = "v2", step;
-  int levels = 3, splits = 3;
+  std::string session, output, surface, step;
+  ModelSurfaceOptions options;
   bool strict = false;
-  CoonsArguments coons;  // of method v1
 };
 
 std::string id(char kind, int number) {
@@ -128,19 +123,6 @@ double millimetres_in(const std::string& unit) {
   return 1000 * one.value;
 }
 
-/// Quads as triangles, cut along the shorter diagonal.
-Triangles cut_quads(const PolygonMesh& mesh) {
-  Triangles triangles(2 * mesh.n_faces(), 3);
-  for (Eigen::Index f = 0; f < mesh.n_faces(); ++f) {
-    const int* c = &mesh.corners[static_cast<size_t>(mesh.offsets[static_cast<size_t>(f)])];
-    const auto p = [&](int k) { return mesh.positions.row(c[k]); };
-    const int first = (p(0) - p(2)).squaredNorm() <= (p(1) - p(3)).squaredNorm() ? 0 : 1;
-    triangles.row(2 * f) << c[first], c[first + 1], c[first + 2];
-    triangles.row(2 * f + 1) << c[first], c[first + 2], c[(first + 3) % 4];
-  }
-  return triangles;
-}
-
 void write_surface(const SketchArguments& arguments, TriangleMesh mesh, Json& figures, Outcome& outcome) {
   const ScopedStage stage(outcome.times, "write");
   write_mesh(arguments.surface, mesh);
@@ -163,63 +145,30 @@ void write_patches(const SketchArguments& arguments, const Project& project, con
   outcome.lines.push_back(concat(arguments.step, ": ", patches.patches.size(), " patches"));
 }
 
-/// The surface of H 6.4 and what is written of it.
+/// What is made of the model beside the project: a mesh with its measures, a STEP file.
 void make_surface(const SketchArguments& arguments, const Project& project, const Context& context,
                   Outcome& outcome) {
-  DiffusionOptions options;
-  options.splits = arguments.splits;
-  // Filling the network does not refine it any further, so it wants more samples along its curves.
-  if (arguments.method == "curvature") options.splits = std::min(options.splits + 1, 6);
-  const DiffusionSurface surface = diffusion_surface(project.document.mesh(), options, context.progress);
+  const PolylineMesh& model = project.document.mesh();
+  ModelSurface surface =
+      make_model_surface(model, arguments.options, !arguments.surface.empty(), context.progress);
   outcome.times.add(surface.times);
-  Json& figures = outcome.figures["surface"] = Json::object();
-  figures["quads"] = surface.refined.mesh.n_faces();
-  figures["last_move"] = surface.last_move;
-  figures["not_smoothed"] = ids('f', surface.not_smoothed);
-  if (!surface.not_smoothed.empty()) {
-    std::string names;
-    for (const int f : surface.not_smoothed) names += (names.empty() ? "" : ", ") + id('f', f);
-    outcome.warnings.push_back(concat("smoothing would fold ", names,
-                                      "; they keep their first shape and meet their neighbours in a crease; ",
-                                      "divide them by another curve for a smooth surface"));
-  }
+  outcome.warnings.insert(outcome.warnings.end(), surface.warnings.begin(), surface.warnings.end());
+  outcome.lines.insert(outcome.lines.end(), surface.lines.begin(), surface.lines.end());
+  Json& figures = outcome.figures["surface"] = std::move(surface.figures);
   if (!arguments.surface.empty()) {
-    TriangleMesh mesh;
-    if (arguments.method == "curvature") {
-      SurfaceResult filled =
-          surface_network(network_of_model(project.document.mesh(), surface), {}, context.progress);
-      outcome.times.add(filled.times);
-      outcome.warnings.insert(outcome.warnings.end(), filled.warnings.begin(), filled.warnings.end());
-      figures["cycles"] = filled.n_cycles;
-      figures["folded_triangles"] = filled.folded_triangles;
-      mesh = std::move(filled.mesh);
-    } else {
-      const ScopedStage stage(outcome.times, "subdivision");
-      SubdivisionOptions subdivision;
-      subdivision.levels = arguments.levels;
-      subdivision.limit = true;
-      const SubdividedSurface fine = subdivide(surface.cage, subdivision, context.progress);
-      mesh.positions = fine.limit_positions;
-      mesh.normals = fine.limit_normals;
-      mesh.triangles = cut_quads(fine.cage.mesh);
+    {
+      const ScopedStage stage(outcome.times, "continuity");
+      const ModelContinuity continuity =
+          model_continuity(model, surface.mesh, arguments.options.splits, context.progress);
+      const double diameter = model.diameter();
+      figures["continuity"] = continuity_json(continuity, diameter);
+      if (continuity.smooth.n_samples > 0)
+        outcome.lines.push_back(concat("across smooth curves the normal jumps by ",
+                                       degrees(continuity.smooth.max_normal_jump), " degrees at most (c",
+                                       continuity.worst_curve, "), by ",
+                                       degrees(continuity.smooth.mean_normal_jump), " in the mean"));
     }
-    write_surface(arguments, std::move(mesh), figures, outcome);
-  }
-  if (!arguments.step.empty()) write_patches(arguments, project, surface.cage, context, figures, outcome);
-}
-
-/// The surface of H 6.1 to 6.3 and what is written of it.
-void make_coons_surface(const SketchArguments& arguments, const Project& project, const Context& context,
-                        Outcome& outcome) {
-  Json& figures = outcome.figures["surface"] = Json::object();
-  CoonsSurface surface =
-      run_coons_stage(arguments.coons, project.document.mesh(), arguments.levels, context, outcome, figures);
-  if (!arguments.surface.empty()) {
-    TriangleMesh mesh;
-    mesh.triangles = triangles_of(surface.fine);
-    mesh.positions = std::move(surface.fine.positions);
-    mesh.normals = std::move(surface.normals);
-    write_surface(arguments, std::move(mesh), figures, outcome);
+    write_surface(arguments, std::move(surface.mesh), figures, outcome);
   }
   if (!arguments.step.empty()) write_patches(arguments, project, surface.cage, context, figures, outcome);
 }
@@ -258,7 +207,7 @@ Outcome run_sketch(const SketchArguments& arguments, Context& context) {
                                  counts.components == 1 ? "" : "s", ", ", counts.boundary_loops, " border",
                                  counts.boundary_loops == 1 ? "" : "s", ", genus ", counts.genus));
   if (!arguments.surface.empty() || !arguments.step.empty())
-    (arguments.method == "v1" ? make_coons_surface : make_surface)(arguments, project, context, outcome);
+    make_surface(arguments, project, context, outcome);
   const auto n_refused = outcome.figures["refused"].size();
   if (arguments.strict && n_refused > 0)
     outcome.failure =
@@ -275,8 +224,8 @@ void add_sketch(CLI::App& app) {
   CLI::App* command =
       add_command(app, "sketch", "Play a recorded sketching session into a model of curves and faces.",
                   "batten sketch session.jsonl -o model.batten --json", [arguments, &app](Context& context) {
-                    check_coons_arguments(*app.get_subcommand("sketch"), arguments->coons, arguments->method,
-                                          arguments->levels);
+                    check_coons_arguments(*app.get_subcommand("sketch"), arguments->options.coons,
+                                          arguments->options.method, arguments->options.levels);
                     return run_sketch(*arguments, context);
                   });
   command->add_option("session", arguments->session, "Session (JSON lines), or a project (.batten)")
@@ -284,19 +233,18 @@ void add_sketch(CLI::App& app) {
   command->add_option("-o,--output", arguments->output, "Project to write: .batten")->required();
   command->add_option("--surface", arguments->surface, "Surface to write: .ply, .obj, .off or .stl");
   command
-      ->add_option("--method", arguments->method,
+      ->add_option("--method", arguments->options.method,
                    "How the surface is made: v2, by diffusion of mean curvature, v1, from Coons patches, or "
-                   "curvature, "
-                   "by filling the network")
-      ->check(CLI::IsMember({"v2", "v1", "curvature"}));
-  command->add_option("--levels", arguments->levels, "Levels of subdivision of the finished surface")
+                   "curvature, by filling the network")
+      ->check(CLI::IsMember(model_surface_methods()));
+  command->add_option("--levels", arguments->options.levels, "Levels of subdivision of the finished surface")
       ->check(CLI::Range(0, 6));
   command
-      ->add_option("--splits", arguments->splits,
+      ->add_option("--splits", arguments->options.splits,
                    "v2: splits of the faces before the flow: 3 gives 16 n quads")
       ->check(CLI::Range(1, 6));
   command->add_option("--step", arguments->step, "STEP file to write: the limit surface as B-spline patches");
-  add_coons_options(*command, arguments->coons);
+  add_coons_options(*command, arguments->options.coons);
   command->add_flag("--strict", arguments->strict, "Exit with 1 when an edit was refused");
 }
 

@@ -30,6 +30,10 @@ void add_surface(CLI::App& app) {
   command->add_option("network", *input, "Network or sketch: .net, .obj, .json, .txt or .lop")->required();
   add_surface_options(*command, *arguments);
   add_sketch_options(*command, *sketch);
+  command
+      ->add_option("--crossings", arguments->crossings,
+                   "Without normals: patches that would cross others or fold are filled flatter, or kept")
+      ->check(CLI::IsMember({"flatten", "keep"}));
 }
 
 }  // namespace batten::cli

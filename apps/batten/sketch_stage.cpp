@@ -30,10 +30,9 @@ Json finding_json(const NetworkFinding& finding) {
 
 }  // namespace
 
-std::vector<NetworkCycle> run_sketch_stage(const SketchArguments& arguments, CurveNetwork& network,
-                                           const Context& context, Outcome& outcome) {
-  const double diameter = bounding_box_diagonal(network.positions);
-  if (!arguments.network.empty()) network_format(arguments.network);  // before any work is done
+SketchNetwork read_sketch(const SketchArguments& arguments, const CurveNetwork& strokes,
+                          const Context& context, Outcome& outcome) {
+  const double diameter = bounding_box_diagonal(strokes.positions);
   if (!(diameter > 0) || !std::isfinite(diameter))
     throw InvalidInput("the network has no extent; all its vertices lie at one place");
   SketchNetworkOptions options;
@@ -43,10 +42,9 @@ std::vector<NetworkCycle> run_sketch_stage(const SketchArguments& arguments, Cur
   SketchNetwork made;
   {
     const ScopedStage stage(outcome.times, "sketch");
-    made = sketch_network(network, options, context.progress);
+    made = sketch_network(strokes, options, context.progress);
   }
   const CleanedSketch& sketch = made.sketch;
-  const EstimatedCycles& estimate = made.estimate;
   Json& figures = outcome.figures;
   const auto count = [&](NetworkDefect defect) {
     return std::count_if(sketch.findings.begin(), sketch.findings.end(),
@@ -60,13 +58,31 @@ std::vector<NetworkCycle> run_sketch_stage(const SketchArguments& arguments, Cur
   figures["extended_ends"] = sketch.n_extended_ends;
   figures["left_out"] = sketch.n_left_out;
   figures["weld_tolerance"] = made.weld_tolerance * diameter;
+  figures["doubtful_places"] = made.estimate.warnings.size();
   outcome.lines.push_back(
       concat("sketch: ", sketch.n_strokes, " strokes, ", count(NetworkDefect::DanglingEnd),
              " dangling ends, ", count(NetworkDefect::NearMiss), " near misses; ", sketch.n_overdrawn,
              " pieces drawn twice, ", sketch.n_extended_ends, " ends extended, ", sketch.n_left_out,
              " pieces left out, welded within ", 100 * made.weld_tolerance, " % of the diameter"));
+  std::vector<std::string>& warnings = outcome.warnings;
+  warnings.insert(warnings.end(), sketch.warnings.begin(), sketch.warnings.end());
+  warnings.insert(warnings.end(), made.estimate.warnings.begin(), made.estimate.warnings.end());
+  if (!made.estimate.open_curves.empty()) {
+    std::string names;
+    for (const int c : made.estimate.open_curves)
+      names += (names.empty() ? "" : ", ") + curve_name(made.network, c);
+    outcome.warnings.push_back(concat("the surface was left open at ", names,
+                                      ", where a patch would fold back onto its neighbours"));
+  }
+  return made;
+}
+
+std::vector<NetworkCycle> run_sketch_stage(const SketchArguments& arguments, CurveNetwork& network,
+                                           const Context& context, Outcome& outcome) {
+  if (!arguments.network.empty()) network_format(arguments.network);  // before any work is done
+  const SketchNetwork made = read_sketch(arguments, network, context, outcome);
   Json findings = Json::array();
-  for (const NetworkFinding& finding : sketch.findings) {
+  for (const NetworkFinding& finding : made.sketch.findings) {
     // Crossings and ends on a stroke are what every sketch has; they are welded without a word.
     if (finding.defect == NetworkDefect::Crossing || finding.defect == NetworkDefect::TJunction ||
         finding.defect == NetworkDefect::SeparateParts)
@@ -74,19 +90,10 @@ std::vector<NetworkCycle> run_sketch_stage(const SketchArguments& arguments, Cur
     findings.push_back(finding_json(finding));
     outcome.lines.push_back(concat("- ", defect_name(finding.defect), ": ", finding.sentence));
   }
-  figures["diagnosis"] = findings;
-  outcome.warnings.insert(outcome.warnings.end(), sketch.warnings.begin(), sketch.warnings.end());
+  outcome.figures["diagnosis"] = findings;
   network = made.network;
   if (!arguments.network.empty()) write_network(arguments.network, network);
-  outcome.warnings.insert(outcome.warnings.end(), estimate.warnings.begin(), estimate.warnings.end());
-  if (!estimate.open_curves.empty()) {
-    std::string names;
-    for (const int c : estimate.open_curves) names += (names.empty() ? "" : ", ") + curve_name(network, c);
-    outcome.warnings.push_back(concat("the surface was left open at ", names,
-                                      ", where a patch would fold back onto its neighbours"));
-  }
-  figures["doubtful_places"] = estimate.warnings.size();
-  return estimate.cycles;
+  return made.estimate.cycles;
 }
 
 void add_sketch_options(CLI::App& command, SketchArguments& arguments) {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "batten/network/curve_network.hpp"
+#include "batten/network/sketch_network.hpp"
 
 namespace batten::cli {
 
@@ -15,6 +15,13 @@ struct SketchArguments {
 
 /// Adds the options; they apply to networks without normals only.
 void add_sketch_options(CLI::App& command, SketchArguments& arguments);
+
+/// Reads a sketch as `surface` does: what its strokes amount to. Counts of strokes, dangling ends, near
+/// misses and of what was mended, a line of them, warnings and times go to `outcome`; diagnosis and patches
+/// do not.
+/// @throws InvalidInput where no patch is left.
+SketchNetwork read_sketch(const SketchArguments& arguments, const CurveNetwork& strokes,
+                          const Context& context, Outcome& outcome);
 
 /// Cleans the sketch, samples its curves evenly, finds the patches and estimates normals. The network is
 /// replaced. Figures, lines, warnings and times go to `outcome`.

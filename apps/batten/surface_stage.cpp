@@ -10,6 +10,7 @@
 #include "batten/mesh/adjacency.hpp"
 #include "batten/mesh/quality.hpp"
 #include "batten/mesh/self_intersections.hpp"
+#include "batten/surfacing/flattening.hpp"
 #include "batten/surfacing/surface.hpp"
 
 namespace batten::cli {
@@ -78,8 +79,12 @@ void run_surface_stage(const SurfaceArguments& arguments, const CurveNetwork& ne
   if (arguments.edge_length != "auto")
     options.edge_length =
         parse_length(arguments.edge_length).in_file_units(bounding_box_diagonal(network.positions));
-  const SurfaceResult surface = cycles.empty() ? surface_network(network, options, context.progress)
-                                               : surface_network(network, cycles, options, context.progress);
+  SurfaceResult surface = cycles.empty() ? surface_network(network, options, context.progress)
+                                         : surface_network(network, cycles, options, context.progress);
+  const bool is_sketch = !cycles.empty();
+  FlatteningReport flattened;
+  if (is_sketch && arguments.crossings == "flatten")
+    flattened = flatten_crossing_patches(surface, context.progress);
   outcome.times.add(surface.times);
   outcome.warnings.insert(outcome.warnings.end(), surface.warnings.begin(), surface.warnings.end());
   TriangleMesh mesh = without_loose_vertices(surface.mesh);
@@ -121,6 +126,7 @@ void run_surface_stage(const SurfaceArguments& arguments, const CurveNetwork& ne
   figures["rebuilds"] = surface.rebuilds;
   figures["last_move"] = surface.last_move;
   figures["patches_in_space"] = surface.patches_in_space;
+  if (is_sketch) figures["flattened_patches"] = flattened.patches.size();
   figures["folded_faces"] = surface.folded_triangles;
   figures["degenerate_faces"] = surface.degenerate_triangles;
   figures["self_intersections"] = intersections;

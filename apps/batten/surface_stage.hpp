@@ -12,6 +12,7 @@ namespace batten::cli {
 struct SurfaceArguments {
   std::string output, rebuilds = "auto", method = "curvature", constraints = "hard", map = "plane";
   std::string edge_length = "auto";
+  std::string crossings = "flatten";  ///< or keep; of sketches alone
   double soft_weight = 1;
   int base_order = 2;
 };

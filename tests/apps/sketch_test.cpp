@@ -1,6 +1,8 @@
 #include "apps/run_batten.hpp"
 
 #include <cmath>
+#include <fstream>
+#include <sstream>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -75,6 +77,27 @@ TEST(SketchCommand, BadFilesEndWithThreeAndTheLine) {
   run = run_batten("sketch torn.jsonl -o torn.batten");
   EXPECT_EQ(run.exit_code, 0);
   EXPECT_NE(run.err.find("torn.jsonl:3: the last line is not finished"), std::string::npos) << run.err;
+}
+
+// Three great circles: H fig. 7.7; the bound of half a degree is the issue's. A curve that was made sharp is
+// no longer among the smooth ones.
+TEST(SketchCommand, TellsHowFarNormalsJumpAcrossDrawnCurves) {
+  const std::string session = std::string(BATTEN_EXAMPLES) + "/sessions/sphere.jsonl";
+  const Json json = run_json("sketch " + session + " -o jump.batten --surface jump.ply --levels 2");
+  const Json& continuity = json["surface"]["continuity"];
+  EXPECT_LT(continuity["smooth"]["max_normal_jump_deg"].get<double>(), 0.5);
+  EXPECT_GT(continuity["smooth"]["samples"].get<int>(), 100);
+  EXPECT_TRUE(continuity["sharp"].is_null());
+  ASSERT_EQ(continuity["curves"].size(), 3u);
+  EXPECT_EQ(continuity["curves"][2]["id"], "c2");
+  std::ostringstream strokes;
+  strokes << std::ifstream(session).rdbuf();
+  write_file("sharp.jsonl", strokes.str() + "{\"op\":\"sharpness\",\"curve\":\"c0\",\"value\":1}\n");
+  const Json sharp = run_json("sketch sharp.jsonl -o jump.batten --surface jump.ply --levels 2");
+  EXPECT_EQ(sharp["surface"]["continuity"]["curves"][0]["sharpness"], 1);
+  EXPECT_FALSE(sharp["surface"]["continuity"]["sharp"].is_null());
+  EXPECT_FALSE(sharp["surface"]["continuity"]["corners"].is_null())
+      << "where smooth curves cross the sharp one";
 }
 
 // The example sessions; what each must be follows from what it draws.

@@ -57,6 +57,29 @@ TEST(SurfaceOfSketch, ClosesACube) {
   EXPECT_TRUE(file_exists("cube.ply"));
 }
 
+// What a file of strokes amounts to is counted alike by the commands that look at it; what is stored there
+// (twelve curves that share no vertex) is told as well.
+TEST(SurfaceOfSketch, IsCountedAlikeByInfoAndConvert) {
+  write_file("counted.obj", cube_sketch(0.03));
+  const Json made = surface("counted.obj -o counted.ply");
+  const Json info = Json::parse(run_batten("info counted.obj --json").out, nullptr, false);
+  for (const char* count :
+       {"strokes", "nodes", "segments", "cycles", "components", "genus", "dangling_ends", "near_misses"})
+    EXPECT_EQ(info[count], made[count]) << count;
+  EXPECT_EQ(info["stored"]["components"], 12);
+  EXPECT_EQ(info["curves"], 12);
+  const Json converted =
+      Json::parse(run_batten("convert counted.obj counted.json --sketch --json").out, nullptr, false);
+  for (const char* count : {"strokes", "nodes", "segments", "cycles", "components"})
+    EXPECT_EQ(converted[count], made[count]) << count;
+  // The network that was written has normals, and the same patches by them.
+  const Json network = Json::parse(run_batten("info counted.json --json").out, nullptr, false);
+  EXPECT_EQ(network["normals"], true);
+  for (const char* count : {"nodes", "segments", "cycles", "components"})
+    EXPECT_EQ(network[count], made[count]) << count;
+  EXPECT_EQ(run_batten("convert counted.json again.json --sketch").exit_code, 3);
+}
+
 // The last edge stops 0.03 short of its corner, 1.7 % of the diameter: a near miss, named and mended.
 // Stopping 0.3 short it dangles, and what is left of it is left out: two faces become one, with 11 curves
 // around.

@@ -1,0 +1,213 @@
+#include "sketch_comparison.hpp"
+
+#include "sketch_networks.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+
+#include "batten/core/error.hpp"
+#include "batten/core/text.hpp"
+#include "batten/core/units.hpp"
+#include "batten/operators/laplacian.hpp"
+#include "batten/render/render.hpp"
+#include "batten/session/journal.hpp"
+#include "batten/sketch/stroke.hpp"
+
+namespace batten::cli {
+
+namespace {
+
+std::string number(double value, const char* format) {
+  char text[48];
+  std::snprintf(text, sizeof text, format, value);
+  return text;
+}
+
+/// The model that a session ends with; refused edits are told.
+SketchNetwork play(const std::filesystem::path& path, std::vector<std::string>& warnings) {
+  const Session session = read_session(path.string());
+  Document document;
+  for (const SessionEdit& edit : session.edits) {
+    try {
+      document.apply(edit.edit);
+    } catch (const RefusedEdit& refusal) {
+      warnings.push_back(concat(path.string(), ":", edit.line, ": refused: ", refusal.what()));
+    }
+  }
+  return {path.stem().string(), document.mesh(), {}};
+}
+
+/// Every model there is, by name: networks first, then sessions. They are made when they are asked for.
+std::vector<std::pair<std::string, std::filesystem::path>> models_of(const std::string& folder) {
+  std::vector<std::pair<std::string, std::filesystem::path>> models;
+  for (const std::string& name : sketch_network_names()) models.emplace_back(name, "");
+  std::vector<std::filesystem::path> sessions;
+  if (!folder.empty())
+    for (const auto& entry : std::filesystem::directory_iterator(folder))
+      if (entry.path().extension() == ".jsonl") sessions.push_back(entry.path());
+  std::sort(sessions.begin(), sessions.end());
+  const auto& networks = sketch_network_names();
+  for (const auto& path : sessions)
+    if (std::find(networks.begin(), networks.end(), path.stem().string()) == networks.end())
+      models.emplace_back(path.stem().string(), path);
+  return models;
+}
+
+class Comparison {
+ public:
+  Comparison(const SketchComparisonOptions& options, const Progress& progress)
+      : options_(options), progress_(progress) {
+    ReportGrid& grid = result_.grid;
+    grid.title = "Surfaces of sketched models";
+    grid.note = concat(
+        "Deviation: distance from the truth over the diameter, mean by area. Normals: angle between quadrics "
+        "fitted on "
+        "either side of the smooth drawn curves, but for the ends of edges where a sharp curve begins or the "
+        "curves do not lie in a plane; these count as corners, with the first and last piece in ",
+        1 << options.surface.splits,
+        " of an edge. Sharp: the mean angle across sharp curves. Curvature: jump of the normal curvature "
+        "across the smooth curves times the diameter. Faces: triangles measured. – : nothing to measure.");
+    grid.columns = {"model",       "method",         "deviation mean, %",
+                    "max, %",      "normals max",    "mean",
+                    "corners max", "curvature mean", "max",
+                    "sharp",       "faces",          "s",
+                    "remark"};
+  }
+
+  void run(const SketchNetwork& network) {
+    const SketchCounts counts = network.model.counts();
+    Json entry = {{"model", network.name},
+                  {"curves", counts.curves},
+                  {"faces", counts.faces},
+                  {"genus", counts.genus},
+                  {"methods", Json::object()}};
+    for (const std::string& method : options_.methods) {
+      progress_.report(concat(network.name, " by ", method), 0);
+      entry["methods"][method] = measured(network, method);
+    }
+    result_.models.push_back(std::move(entry));
+  }
+
+  SketchComparison take() { return std::move(result_); }
+
+  SketchComparison result_;
+
+ private:
+  Json measured(const SketchNetwork& network, const std::string& method) {
+    const PolylineMesh& model = network.model;
+    ModelSurfaceOptions options = options_.surface;
+    options.method = method;
+    const auto refuse = [&](const std::string& reason) -> Json {
+      std::vector<std::string> row(result_.grid.columns.size());
+      row[0] = network.name;
+      row[1] = method;
+      row.back() = concat("refused: ", reason);
+      result_.grid.rows.push_back(std::move(row));
+      return {{"refused", reason}};
+    };
+    ModelSurface surface;
+    StageTimes clock;
+    try {
+      const ScopedStage timed(clock, method);
+      surface = make_model_surface(model, options, true, progress_);
+    } catch (const Cancelled&) {
+      throw;
+    } catch (const Error& error) {
+      return refuse(error.what());
+    }
+    result_.times.add(clock);
+    const TriangleMesh& mesh = surface.mesh;
+    if (!mesh.positions.allFinite()) return refuse("the surface has a vertex that is not a number");
+    const double diameter = model.diameter();
+    ModelContinuity continuity;
+    {
+      const ScopedStage timed(result_.times, "continuity");
+      continuity = model_continuity(model, mesh, options.splits, progress_);
+    }
+    Json json = std::move(surface.figures);
+    json["vertices"] = mesh.n_vertices();
+    json["faces"] = mesh.n_triangles();
+    json["seconds"] = clock.total();
+    json["warnings"] = surface.warnings;
+    std::vector<std::string> row = {network.name, method, "–", "–"};
+    Eigen::VectorXd errors;
+    if (network.truth) {
+      errors.resize(mesh.n_vertices());
+      for (Eigen::Index v = 0; v < mesh.n_vertices(); ++v)
+        errors[v] = network.truth(mesh.positions.row(v)) / diameter;
+      const Eigen::VectorXd areas = lumped_mass(mesh.positions, mesh.triangles);
+      const double mean = areas.dot(errors) / areas.sum();
+      json["deviation"] = {{"mean", mean}, {"max", errors.maxCoeff()}};
+      row[2] = number(100 * mean, "%.4f");
+      row[3] = number(100 * errors.maxCoeff(), "%.3f");
+    } else {
+      json["deviation"] = nullptr;
+    }
+    json["continuity"] = continuity_json(continuity, diameter);
+    const auto angle = [](const CurveContinuity& figures, double value) {
+      return figures.n_samples > 0 ? number(degrees(value), "%.2f") + "°" : "–";
+    };
+    const CurveContinuity &smooth = continuity.smooth, &corners = continuity.corners,
+                          &sharp = continuity.sharp;
+    row.push_back(angle(smooth, smooth.max_normal_jump));
+    row.push_back(angle(smooth, smooth.mean_normal_jump));
+    row.push_back(angle(corners, corners.max_normal_jump));
+    row.push_back(smooth.n_samples > 0 ? number(smooth.mean_curvature_jump * diameter, "%.3f") : "–");
+    row.push_back(smooth.n_samples > 0 ? number(smooth.max_curvature_jump * diameter, "%.2f") : "–");
+    row.push_back(angle(sharp, sharp.mean_normal_jump));
+    row.push_back(concat(mesh.n_triangles()));
+    row.push_back(number(clock.total(), "%.2f"));
+    row.emplace_back(surface.warnings.empty() ? "" : surface.warnings.front());
+    result_.grid.rows.push_back(std::move(row));
+    if (options_.pictures) draw(network, method, mesh, errors, continuity);
+    return json;
+  }
+
+  void draw(const SketchNetwork& network, const std::string& method, const TriangleMesh& mesh,
+            const Eigen::VectorXd& errors, const ModelContinuity& continuity) {
+    const ScopedStage timed(result_.times, "draw");
+    Subject subject{.mesh = &mesh};
+    std::vector<Shading> shadings = {Shading::Shaded, Shading::Isophotes};
+    if (errors.size() > 0) {
+      subject.errors = errors;
+      subject.error_scale = 100;
+      subject.error_unit = "% of the diameter";
+      shadings.push_back(Shading::Error);
+    }
+    RenderOptions options;
+    options.width = 360 * static_cast<int>(shadings.size());
+    options.height = 330;
+    std::string caption = concat(mesh.n_triangles(), " triangles.");
+    if (continuity.smooth.n_samples > 0)
+      caption += concat(" Normals jump by ", number(degrees(continuity.smooth.max_normal_jump), "%.2f"),
+                        "° at most across smooth curves.");
+    result_.pictures.push_back({concat(network.name, " by ", method), caption,
+                                encode_png(contact_sheet(subject, shadings, options, progress_)), false});
+  }
+
+  const SketchComparisonOptions& options_;
+  const Progress& progress_;
+};
+
+}  // namespace
+
+SketchComparison compare_sketch_surfaces(const std::string& folder, const SketchComparisonOptions& options,
+                                         const Progress& progress) {
+  const auto models = models_of(folder);
+  for (const std::string& name : options.models)
+    if (std::none_of(models.begin(), models.end(), [&](const auto& model) { return model.first == name; }))
+      throw InvalidInput(
+          concat("there is no network and no session called ", name,
+                 folder.empty() ? "; name the folder of the session by --data" : concat(" in ", folder)));
+  Comparison comparison(options, progress);
+  for (const auto& [name, path] : models) {
+    if (!options.models.empty() &&
+        std::find(options.models.begin(), options.models.end(), name) == options.models.end())
+      continue;
+    comparison.run(path.empty() ? sketch_network_of(name) : play(path, comparison.result_.warnings));
+  }
+  return comparison.take();
+}
+
+}  // namespace batten::cli
