@@ -21,13 +21,19 @@ namespace {
 /// over a twentieth of the edges, in which curves bend.
 constexpr double kFlat = 0.25;
 
-/// Quads as triangles, cut along the shorter diagonal.
+/// Quads as triangles, cut along the shorter diagonal, but through a vertex that has only two quads: both cut
+/// past it would share the diagonal as well, and the mesh would be no surface there.
 Triangles cut_quads(const PolygonMesh& mesh) {
   Triangles triangles(2 * mesh.n_faces(), 3);
+  std::vector<int> n_quads(static_cast<size_t>(mesh.positions.rows()), 0);
+  for (const int v : mesh.corners) ++n_quads[static_cast<size_t>(v)];
   for (Eigen::Index f = 0; f < mesh.n_faces(); ++f) {
     const int* c = &mesh.corners[static_cast<size_t>(mesh.offsets[static_cast<size_t>(f)])];
     const auto p = [&](int k) { return mesh.positions.row(c[k]); };
-    const int first = (p(0) - p(2)).squaredNorm() <= (p(1) - p(3)).squaredNorm() ? 0 : 1;
+    const auto has_two = [&](int k) { return n_quads[static_cast<size_t>(c[k])] == 2; };
+    const bool through_even = has_two(0) || has_two(2), through_odd = has_two(1) || has_two(3);
+    const bool shorter_even = (p(0) - p(2)).squaredNorm() <= (p(1) - p(3)).squaredNorm();
+    const int first = (through_even != through_odd ? through_even : shorter_even) ? 0 : 1;
     triangles.row(2 * f) << c[first], c[first + 1], c[first + 2];
     triangles.row(2 * f + 1) << c[first], c[first + 2], c[(first + 3) % 4];
   }
