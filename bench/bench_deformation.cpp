@@ -3,6 +3,7 @@
 // as-rigid-as-possible deformation in one run, one thread each (OMP_NUM_THREADS=1). A tenth of the vertices
 // (the least x) is fixed, a twentieth (the largest) dragged by a fifth of the diameter. Usage:
 // bench_deformation [--benchmark_filter=...]
+#include "cgal_mesh.hpp"
 #include "memory.hpp"
 #include "mesh/shapes.hpp"
 
@@ -11,8 +12,6 @@
 #include <string>
 #include <vector>
 
-#include <CGAL/Simple_cartesian.h>
-#include <CGAL/Surface_mesh.h>
 #include <CGAL/Surface_mesh_deformation.h>
 #include <Eigen/Core>
 #include <benchmark/benchmark.h>
@@ -96,23 +95,16 @@ void run_drag(benchmark::State& state, const DeformOptions& options) {
   state.counters["vertices"] = static_cast<double>(subject.positions.rows());
 }
 
-using CgalMesh = CGAL::Surface_mesh<CGAL::Simple_cartesian<double>::Point_3>;
 using CgalDeformation =
     CGAL::Surface_mesh_deformation<CgalMesh, CGAL::Default, CGAL::Default, CGAL::SRE_ARAP>;
 
 void run_cgal(benchmark::State& state) {
   const Subject subject = torus(static_cast<int>(state.range(0)));
-  CgalMesh mesh;
-  using Vertex = CgalMesh::Vertex_index;
-  for (Eigen::Index v = 0; v < subject.positions.rows(); ++v)
-    mesh.add_vertex({subject.positions(v, 0), subject.positions(v, 1), subject.positions(v, 2)});
-  for (Eigen::Index f = 0; f < subject.triangles.rows(); ++f)
-    mesh.add_face(Vertex(subject.triangles(f, 0)), Vertex(subject.triangles(f, 1)),
-                  Vertex(subject.triangles(f, 2)));
+  CgalMesh mesh = to_cgal(subject.positions, subject.triangles);
   CgalDeformation deformation(mesh);
   for (const auto v : mesh.vertices()) deformation.insert_roi_vertex(v);
   const std::vector<int> constrained = subject.constrained();
-  for (const int v : constrained) deformation.insert_control_vertex(Vertex(v));
+  for (const int v : constrained) deformation.insert_control_vertex(CgalMesh::Vertex_index(v));
   deformation.preprocess();
   double share = 0;
   for (auto _ : state) {
@@ -120,7 +112,7 @@ void run_cgal(benchmark::State& state) {
     const Points targets = subject.targets(share);
     for (std::size_t c = 0; c < constrained.size(); ++c) {
       const auto row = targets.row(static_cast<Eigen::Index>(c));
-      deformation.set_target_position(Vertex(constrained[c]), {row.x(), row.y(), row.z()});
+      deformation.set_target_position(CgalMesh::Vertex_index(constrained[c]), {row.x(), row.y(), row.z()});
     }
     deformation.deform(5, 0);
   }
