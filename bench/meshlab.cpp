@@ -72,15 +72,15 @@ Times run(const Folder& folder, const Filter& filter) {
   write_script(folder.file("script.mlx"), filter);
   const std::string out = folder.file("out.ply"), times = folder.file("times");
   fs::remove(out);
-  std::ofstream(folder.file("run.sh")) << "TIMEFORMAT='%R %U %S'\n{ time meshlabserver -i "
-                                       << folder.file("in.ply") << " -o " << out << " -s "
-                                       << folder.file("script.mlx") << " >" << folder.file("log")
-                                       << " 2>&1; } 2>" << times << '\n';
+  std::ofstream(folder.file("run.sh"))
+      << "TIMEFORMAT='%R %U %S'\n{ time meshlabserver -i " << folder.file("in.ply") << " -o " << out << " -s "
+      << folder.file("script.mlx") << " >" << folder.file("log") << " 2>&1; } 2>" << times << '\n';
   const bool has_display = std::getenv("DISPLAY") != nullptr;
   const int status =
       std::system(concat(has_display ? "" : "xvfb-run -a ", "bash ", folder.file("run.sh")).c_str());
   if (status != 0 || !fs::exists(out))
-    throw InvalidInput(concat("MeshLab failed in '", filter.name, "'; its last words: ", last_line(folder.file("log"))));
+    throw InvalidInput(
+        concat("MeshLab failed in '", filter.name, "'; its last words: ", last_line(folder.file("log"))));
   double wall = 0, user = 0, system = 0;
   std::ifstream(times) >> wall >> user >> system;
   return {wall, user + system};

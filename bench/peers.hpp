@@ -2,6 +2,7 @@
 #include "mesh/shapes.hpp"
 
 #include <cmath>
+#include <cstdlib>
 #include <ctime>
 #include <filesystem>
 #include <memory>
@@ -26,9 +27,11 @@ struct Subject {
   double own_seconds = 0;  ///< of the processor; 0 until our job has run
 };
 
-/// A mesh of ../shared/data, or nothing when the file is missing.
+/// A mesh of ../shared/data, or of the folder that the environment variable BATTEN_SHARED_DATA names; nothing
+/// when the file is missing.
 inline std::shared_ptr<Subject> public_mesh(const std::string& file) {
-  const std::string path = std::string(BATTEN_SHARED_DATA) + "/meshes/" + file;
+  const char* folder = std::getenv("BATTEN_SHARED_DATA");
+  const std::string path = std::string(folder != nullptr ? folder : BATTEN_SHARED_DATA) + "/meshes/" + file;
   if (!std::filesystem::exists(path)) return nullptr;
   return std::make_shared<Subject>(Subject{file, read_mesh(path)});
 }
