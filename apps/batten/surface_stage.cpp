@@ -20,14 +20,14 @@ template <typename Value>
 Value chosen_value(const std::string& text, std::initializer_list<std::pair<const char*, Value>> choices) {
   for (const auto& [name, value] : choices)
     if (text == name) return value;
-  throw CLI::ValidationError(text, "is not one of the choices");
+  throw InvalidInput(text + " is not one of the choices");
 }
 
 int parse_rebuilds(const std::string& text) {
   long value = 0;
   if (text == "auto") return -1;
   if (!parse_integer(text, value) || value < 0 || value > 20)
-    throw CLI::ValidationError("--rebuilds", "takes auto or 0 to 20, got " + text);
+    throw InvalidInput("--rebuilds takes auto or 0 to 20, got " + text);
   return static_cast<int>(value);
 }
 
@@ -146,14 +146,7 @@ void add_surface_options(CLI::App& command, SurfaceArguments& arguments) {
   command
       .add_option("--rebuilds", arguments.rebuilds,
                   "Rebuilds of the Laplacian from the solved mesh: auto, or 0 to 20")
-      ->check([](const std::string& text) {
-        try {
-          parse_rebuilds(text);
-        } catch (const CLI::ValidationError& error) {
-          return std::string(error.what());
-        }
-        return std::string();
-      });
+      ->check(parses("auto|NUMBER", [](const std::string& text) { parse_rebuilds(text); }));
   command
       .add_option("--method", arguments.method,
                   "curvature (default), or a baseline: harmonic, biharmonic, triharmonic, biharmonic-normals")
@@ -174,14 +167,10 @@ void add_surface_options(CLI::App& command, SurfaceArguments& arguments) {
       .add_option(
           "--edge-length", arguments.edge_length,
           "Length of edges inside patches (2mm, 0.05, 1.5%); auto: 0.71 of the mean edge of the curves")
-      ->check([](const std::string& text) {
-        if (text == "auto") return std::string();
-        try {
-          return parse_length(text).value > 0 ? std::string() : "--edge-length must be positive: " + text;
-        } catch (const InvalidInput& error) {
-          return std::string(error.what());
-        }
-      });
+      ->check(parses("auto|LENGTH", [](const std::string& text) {
+        if (text != "auto" && parse_length(text).value <= 0)
+          throw InvalidInput("--edge-length must be positive: " + text);
+      }));
 }
 
 }  // namespace batten::cli

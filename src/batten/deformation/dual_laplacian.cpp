@@ -43,7 +43,7 @@ DualLaplacian::DualLaplacian(const Points& positions, const Triangles& triangles
   followed_.assign(positions.rows(), 0);
   for (Eigen::Index i = 0; i < positions.rows(); ++i) {
     const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(gram[i]);
-    const Vector3d values = eigen.eigenvalues();
+    const Vector3d& values = eigen.eigenvalues();
     if (!(values[2] > 0)) continue;
     const Vector3d d = delta.row(i);
     Vector3d expressed = Vector3d::Zero(), y = Vector3d::Zero();

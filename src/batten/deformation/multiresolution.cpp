@@ -179,6 +179,7 @@ Deformer::Result MultiresolutionDeformer::deform(const Points& targets, const st
   const Implementation& self = *implementation_;
   const auto n = static_cast<Eigen::Index>(self.fine->constrained().size());
   std::vector<const Points*> way;
+  way.reserve(stages.size() + 1);
   for (const Points& stage : stages) way.push_back(&stage);
   way.push_back(&targets);
   for (const Points* stage : way)

@@ -80,7 +80,7 @@ class PatchGuide {
       for (int j = around_.begin(v); j < i; ++j)
         spread = std::max(spread, (normals.row(f) - normals.row(around_.indices[j])).norm());
       for (int k = 0; k < 3; ++k) {  // the edges of the patch's inside, those at v
-        const int other = opposite_[static_cast<std::size_t>(3 * f + k)];
+        const int other = opposite_[3 * static_cast<std::size_t>(f) + static_cast<std::size_t>(k)];
         if (other < 0 || triangles_(f, k) == v || other / 3 < f) continue;
         const double jump = (normals.row(f) - normals.row(other / 3)).norm();
         largest = std::max(largest, jump);

@@ -22,7 +22,7 @@ using Eigen::VectorXd;
 namespace fairing_detail {
 
 SparseMatrix similar_stiffness(const SparseMatrix& K, const Eigen::MatrixXd& H, double similarity) {
-  SparseMatrix weighted = K;
+  SparseMatrix weighted = K;  // NOLINT(performance-unnecessary-copy-initialization): iterators write into it
   VectorXd sums = VectorXd::Zero(K.rows());
   for (Eigen::Index column = 0; column < K.cols(); ++column)
     for (SparseMatrix::InnerIterator entry(weighted, column); entry; ++entry)

@@ -154,7 +154,7 @@ struct LineReader::Implementation {
   bool at_end = false;
 
   void check_text(size_t from) const {
-    if (std::memchr(buffer.data() + from, '\0', buffer.size() - from) != nullptr)
+    if (buffer.find('\0', from) != std::string::npos)
       throw FileError(path, line + 1, "this is not a text file; is the extension right?");
   }
 
@@ -202,12 +202,8 @@ bool LineReader::next(std::string_view& line) {
   size_t searched = 0;  // bytes of this line known to hold no line end
   size_t end = std::string::npos;
   while (true) {
-    const size_t from = in.begin + searched;
-    const void* found = std::memchr(in.buffer.data() + from, '\n', in.buffer.size() - from);
-    if (found != nullptr) {
-      end = static_cast<size_t>(static_cast<const char*>(found) - in.buffer.data());
-      break;
-    }
+    end = in.buffer.find('\n', in.begin + searched);
+    if (end != std::string::npos) break;
     searched = in.buffer.size() - in.begin;
     if (!in.refill()) break;
   }

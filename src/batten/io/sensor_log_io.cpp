@@ -197,9 +197,9 @@ class LogParser {
     log_.time[row] = time;
     log_.distance[row] = values[kDistance];
     for (int k = 0; k < 3; ++k) {
-      log_.accelerometer(row, k) = values[static_cast<size_t>(kAccelerometer + k)];
-      log_.magnetometer(row, k) = values[static_cast<size_t>(kMagnetometer + k)];
-      log_.gyroscope(row, k) = values[static_cast<size_t>(kGyroscope + k)];
+      log_.accelerometer(row, k) = values[size_t{kAccelerometer} + static_cast<size_t>(k)];
+      log_.magnetometer(row, k) = values[size_t{kMagnetometer} + static_cast<size_t>(k)];
+      log_.gyroscope(row, k) = values[size_t{kGyroscope} + static_cast<size_t>(k)];
     }
     check_order(row);
     ++n_rows_;

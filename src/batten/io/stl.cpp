@@ -127,8 +127,7 @@ RawMesh parse_stl(std::string content, const std::string& path) {
   if (is_binary_stl(content)) return parse_binary(content, path);
   std::string_view word;
   Tokens(std::string_view(content).substr(0, 200)).next(word);
-  if (word == "solid" && std::memchr(content.data(), '\0', content.size()) == nullptr)
-    return parse_text(std::move(content), path);
+  if (word == "solid" && content.find('\0') == std::string::npos) return parse_text(std::move(content), path);
   if (content.size() >= kHeader)
     throw FileError(path, 0,
                     concat("announces ", little_uint32(content.data() + 80), " facets, but ", content.size(),

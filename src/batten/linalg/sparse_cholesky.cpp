@@ -1,6 +1,7 @@
 #include "batten/linalg/sparse_cholesky.hpp"
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 #include <Eigen/SparseCholesky>
@@ -65,10 +66,7 @@ class CholmodFactor : public Factor {
     run_serially();
     cholmod_start(&common_);
     common_.print = 0;
-    // One fixed ordering and one method: CHOLMOD's own trials depend on nothing but the pattern, yet cost
-    // the time of several analyses.
-    common_.nmethods = 1;
-    common_.method[0].ordering = CHOLMOD_AMD;
+    common_.nmethods = 1;  // the ordering is chosen in analyze()
     common_.postorder = 1;
     common_.supernodal = CHOLMOD_SUPERNODAL;
   }
@@ -94,7 +92,7 @@ class CholmodFactor : public Factor {
     cholmod_sparse view = sparse_view(A);
     if (!same_pattern || factor_ == nullptr) {
       cholmod_free_factor(&factor_, &common_);
-      factor_ = cholmod_analyze(&view, &common_);
+      factor_ = analyze(view);
       if (factor_ == nullptr) return false;
     }
     cholmod_factorize(&view, factor_, &common_);
@@ -118,6 +116,25 @@ class CholmodFactor : public Factor {
   }
 
  private:
+  /// Minimum degree, and nested dissection where that leaves much to do: it takes longer to find than minimum
+  /// degree but keeps the work of a plane grid of n unknowns at n^1.5. Depends on nothing but the pattern.
+  cholmod_factor* analyze(cholmod_sparse& view) {
+    // Operations of a factorisation per entry of the matrix from which nested dissection pays for itself at
+    // once; seen on the bi-Laplacian of surfaces and on the frames of large networks, where it saved half and
+    // 99 % of them.
+    constexpr double kMuchWork = 15000;
+    common_.method[0].ordering = CHOLMOD_AMD;
+    cholmod_factor* factor = cholmod_analyze(&view, &common_);
+    if (factor == nullptr || common_.fl < kMuchWork * common_.anz) return factor;
+    const double work = common_.fl;
+    common_.method[0].ordering = CHOLMOD_METIS;
+    cholmod_factor* dissected = cholmod_analyze(&view, &common_);
+    if (dissected != nullptr && common_.fl < work) std::swap(factor, dissected);
+    cholmod_free_factor(&dissected, &common_);
+    common_.status = CHOLMOD_OK;  // a failed second trial is no failure
+    return factor;
+  }
+
   static cholmod_sparse sparse_view(const SparseMatrix& A) {
     cholmod_sparse view{};
     view.nrow = A.rows();

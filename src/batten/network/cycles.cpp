@@ -14,6 +14,7 @@
 #include "batten/mesh/triangle_mesh.hpp"
 #include "batten/network/curve_network.hpp"
 #include "batten/network/cycles_detail.hpp"
+#include "batten/network/end_parabola_detail.hpp"
 
 namespace batten {
 
@@ -101,21 +102,9 @@ class CycleFinder {
   Vector3d direction(Dart d) const {
     constexpr std::size_t kSamples = 4;
     const std::size_t count = std::min(kSamples, segment(d).vertices.size() - 1);
-    const Vector3d origin = point(start(d));
-    double length = 0, s2 = 0, s3 = 0, s4 = 0;
-    Vector3d p1 = Vector3d::Zero(), p2 = Vector3d::Zero(), previous = origin;
-    for (std::size_t i = 1; i <= count; ++i) {
-      const Vector3d x = point(walk(d, i));
-      length += (x - previous).norm();
-      previous = x;
-      s2 += length * length;
-      s3 += length * length * length;
-      s4 += length * length * length * length;
-      p1 += length * (x - origin);
-      p2 += length * length * (x - origin);
-    }
-    if (count < 2) return p1 / s2;
-    return (s4 * p1 - s3 * p2) / (s2 * s4 - s3 * s3);
+    detail::EndParabola parabola(point(start(d)));
+    for (std::size_t i = 1; i <= count; ++i) parabola.add(point(walk(d, i)));
+    return parabola.tangent();
   }
 
   struct Spoke {

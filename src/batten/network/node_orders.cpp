@@ -11,6 +11,7 @@
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
 #include "batten/core/units.hpp"
+#include "batten/network/end_parabola_detail.hpp"
 #include "batten/network/node_orders_detail.hpp"
 
 namespace batten::detail {
@@ -546,24 +547,9 @@ Vector3d link_direction(const CurveNetwork& network, const LinkGraph& graph, int
   const auto walk = [&](size_t i) {
     return Vector3d(network.positions.row(vertices[dart % 2 == 0 ? i : n - 1 - i]));
   };
-  // The derivative at the node of the parabola through the node that fits the samples nearby.
-  const Vector3d origin = walk(0);
-  double length = 0, s2 = 0, s3 = 0, s4 = 0;
-  Vector3d p1 = Vector3d::Zero(), p2 = Vector3d::Zero(), previous = origin;
-  size_t used = 0;
-  for (size_t i = 1; i < n && (used < 2 || length < window); ++i, ++used) {
-    const Vector3d x = walk(i);
-    length += (x - previous).norm();
-    previous = x;
-    s2 += length * length;
-    s3 += length * length * length;
-    s4 += length * length * length * length;
-    p1 += length * (x - origin);
-    p2 += length * length * (x - origin);
-  }
-  const Vector3d chord = p1 / s2;
-  if (used < 2) return chord.normalized();
-  const Vector3d tangent = (s4 * p1 - s3 * p2) / (s2 * s4 - s3 * s3);
+  EndParabola parabola(walk(0));
+  for (size_t i = 1; i < n && (i < 3 || parabola.length() < window); ++i) parabola.add(walk(i));
+  const Vector3d chord = parabola.chord(), tangent = parabola.tangent();
   return tangent.norm() > 0 && tangent.dot(chord) > 0 ? tangent.normalized() : chord.normalized();
 }
 

@@ -49,8 +49,8 @@ void FairingSystems::prepare(int order) {
   SparseMatrix lower;
   if (order == 2) {
     SquaredStiffness squared = squared_stiffness(K_, inverse_mass_, unknown_, known_);
-    lower = std::move(squared.lower);
-    s.known = std::move(squared.known);
+    lower.swap(squared.lower);
+    s.known.swap(squared.known);
   } else {
     SparseMatrix whole = K_;
     if (order == 3)

@@ -78,6 +78,7 @@ struct LaidOut {
   std::vector<int> network_vertices;
   int n_inner = 0;                    ///< corners that are no network vertices: those of cuts
   std::vector<int> vertex_of_corner;  ///< local numbers of PatchMesh; empty: corner i is network vertex i
+  bool mirrored = false;              ///< the region is the mirror image of the patch seen from outside
 };
 
 LaidOut lay_out_in_plane(const ScaledNetwork& network, const NetworkCycle& cycle, double unit) {
@@ -114,16 +115,34 @@ LaidOut lay_out_in_plane(const ScaledNetwork& network, const NetworkCycle& cycle
   if (x_axis.norm() < 1e-9) x_axis = normal.unitOrthogonal();
   x_axis.normalize();
   const RowVector3d y_axis = normal.cross(x_axis);
+  const auto in_plane = [&](int v, bool mirrored) {
+    const RowVector3d d = network.positions.row(v) - centre;
+    const double y = on_grid(d.dot(y_axis) / unit);
+    return Eigen::RowVector2d(on_grid(d.dot(x_axis) / unit), mirrored ? -y : y);
+  };
+  // Vertex i of a loop, counted from where it begins, forwards or (in the mirror image) backwards.
+  const auto vertex_of = [&](std::size_t l, std::size_t i, bool mirrored) {
+    const std::vector<int>& vertices = cycle.loops[l].vertices;
+    const std::size_t n = vertices.size(), begin = l == 0 ? start : 0;
+    return vertices[(mirrored ? begin + n - i : begin + i) % n];
+  };
+  // A patch and its mirror image are laid out alike, whichever of the two has the lesser outline, so that the
+  // mesher makes mirror images of one another.
+  for (std::size_t i = 1; i < cycle.loops.front().vertices.size(); ++i) {
+    const Eigen::RowVector2d p = in_plane(vertex_of(0, i, false), false),
+                             q = in_plane(vertex_of(0, i, true), true);
+    if (p == q) continue;
+    laid_out.mirrored = q.x() != p.x() ? q.x() < p.x() : q.y() < p.y();
+    break;
+  }
   std::vector<Eigen::RowVector2d> corners;
   for (std::size_t l = 0; l < cycle.loops.size(); ++l) {
-    const std::vector<int>& vertices = cycle.loops[l].vertices;
     std::vector<int> loop;
-    for (std::size_t i = 0; i < vertices.size(); ++i) {
-      const int v = vertices[(i + (l == 0 ? start : 0)) % vertices.size()];
+    for (std::size_t i = 0; i < cycle.loops[l].vertices.size(); ++i) {
+      const int v = vertex_of(l, i, laid_out.mirrored);
       const auto [place, is_new] = local.emplace(v, static_cast<int>(corners.size()));
       if (is_new) {
-        const RowVector3d d = network.positions.row(v) - centre;
-        corners.emplace_back(on_grid(d.dot(x_axis) / unit), on_grid(d.dot(y_axis) / unit));
+        corners.push_back(in_plane(v, laid_out.mirrored));
         laid_out.network_vertices.push_back(v);
       }
       loop.push_back(place->second);
@@ -309,6 +328,7 @@ bool fill_plane(const LaidOut& laid_out, double edge, double unit, PatchMesh& me
   const int n_fixed = static_cast<int>(laid_out.network_vertices.size()) + laid_out.n_inner;
   mesh.n_inner = static_cast<int>(tessellation.vertices.rows()) - n_corners + laid_out.n_inner;
   mesh.triangles = tessellation.triangles;
+  if (laid_out.mirrored) mesh.triangles.col(1).swap(mesh.triangles.col(2));
   Points flat(tessellation.vertices.rows(), 3);
   flat << tessellation.vertices, Eigen::VectorXd::Zero(flat.rows());
   mesh.lengths = unit * edge_lengths(flat, mesh.triangles);
