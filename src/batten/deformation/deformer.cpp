@@ -309,7 +309,8 @@ struct Deformer::Implementation {
 
   /// Adds to the rest shape the answer to displacements (c × 3) that are affine on every region: translations
   /// and turns of handles are. It is linear in the few numbers that describe them, so that no system is left
-  /// to solve (Botsch, Kobbelt: An intuitive framework, 2004). @return false, with X undefined, where some region moves otherwise.
+  /// to solve (Botsch, Kobbelt: An intuitive framework, 2004). @return false, with X undefined, where some
+  /// region moves otherwise.
   bool respond(const Points& displacements, Points& X) const {
     if (regions.empty()) return false;
     const double rounding = 1e-13 * (rest.cwiseAbs().maxCoeff() + displacements.cwiseAbs().maxCoeff());
