@@ -1,8 +1,10 @@
-// Dragging a part of a torus of three sizes: before the first drag (factorisation), a linear drag, and a drag
+// Dragging a part of a torus of three sizes: before the first drag (factorisation), a linear drag of a handle
+// that moves as one (an affine map) and of one that does not (a back-substitution), and a drag
 // with five iterations of detail preservation, beside CGAL's "smoothed rotation enhanced"
 // as-rigid-as-possible deformation in one run, one thread each (OMP_NUM_THREADS=1). A tenth of the vertices
 // (the least x) is fixed, a twentieth (the largest) dragged by a fifth of the diameter. Usage:
 // bench_deformation [--benchmark_filter=...]
+#include "cgal_mesh.hpp"
 #include "memory.hpp"
 #include "mesh/shapes.hpp"
 
@@ -11,8 +13,6 @@
 #include <string>
 #include <vector>
 
-#include <CGAL/Simple_cartesian.h>
-#include <CGAL/Surface_mesh.h>
 #include <CGAL/Surface_mesh_deformation.h>
 #include <Eigen/Core>
 #include <benchmark/benchmark.h>
@@ -34,14 +34,17 @@ struct Subject {
     all.insert(all.end(), moved.begin(), moved.end());
     return all;
   }
-  Points targets(double share) const {
+  /// @param uneven moves every handle vertex a little differently, so that no handle moves as one.
+  Points targets(double share, bool uneven = false) const {
     const std::vector<int> all = constrained();
     const double diameter = (positions.colwise().maxCoeff() - positions.colwise().minCoeff()).norm();
     Points result(static_cast<Eigen::Index>(all.size()), 3);
     for (std::size_t c = 0; c < all.size(); ++c) {
       result.row(static_cast<Eigen::Index>(c)) = positions.row(all[c]);
       if (c >= fixed.size())
-        result.row(static_cast<Eigen::Index>(c)) += share * diameter * Eigen::RowVector3d(0.1, 0.2, 0.05);
+        result.row(static_cast<Eigen::Index>(c)) +=
+            share * (uneven ? 1 + 0.1 * std::sin(static_cast<double>(c)) : 1) * diameter *
+            Eigen::RowVector3d(0.1, 0.2, 0.05);
     }
     return result;
   }
@@ -82,37 +85,31 @@ void run_factorise(benchmark::State& state, const DeformOptions& options) {
   state.counters["peak_MB"] = peak_megabytes();
 }
 
-void run_drag(benchmark::State& state, const DeformOptions& options) {
+void run_drag(benchmark::State& state, const DeformOptions& options, bool uneven = false) {
   const Subject subject = torus(static_cast<int>(state.range(0)));
   const Deformer deformer(subject.positions, subject.triangles, subject.constrained(), options);
-  Points last = deformer.deform(subject.targets(0.25)).positions;
+  Points last = deformer.deform(subject.targets(0.25, uneven)).positions;
   double share = 0.25;
   for (auto _ : state) {
     share = share < 1 ? share + 0.25 : 0.25;
-    last =
-        deformer.deform(subject.targets(share), options.detail == DetailPreservation::None ? nullptr : &last)
-            .positions;
+    last = deformer
+               .deform(subject.targets(share, uneven),
+                       options.detail == DetailPreservation::None ? nullptr : &last)
+               .positions;
   }
   state.counters["vertices"] = static_cast<double>(subject.positions.rows());
 }
 
-using CgalMesh = CGAL::Surface_mesh<CGAL::Simple_cartesian<double>::Point_3>;
 using CgalDeformation =
     CGAL::Surface_mesh_deformation<CgalMesh, CGAL::Default, CGAL::Default, CGAL::SRE_ARAP>;
 
 void run_cgal(benchmark::State& state) {
   const Subject subject = torus(static_cast<int>(state.range(0)));
-  CgalMesh mesh;
-  using Vertex = CgalMesh::Vertex_index;
-  for (Eigen::Index v = 0; v < subject.positions.rows(); ++v)
-    mesh.add_vertex({subject.positions(v, 0), subject.positions(v, 1), subject.positions(v, 2)});
-  for (Eigen::Index f = 0; f < subject.triangles.rows(); ++f)
-    mesh.add_face(Vertex(subject.triangles(f, 0)), Vertex(subject.triangles(f, 1)),
-                  Vertex(subject.triangles(f, 2)));
+  CgalMesh mesh = to_cgal(subject.positions, subject.triangles);
   CgalDeformation deformation(mesh);
   for (const auto v : mesh.vertices()) deformation.insert_roi_vertex(v);
   const std::vector<int> constrained = subject.constrained();
-  for (const int v : constrained) deformation.insert_control_vertex(Vertex(v));
+  for (const int v : constrained) deformation.insert_control_vertex(CgalMesh::Vertex_index(v));
   deformation.preprocess();
   double share = 0;
   for (auto _ : state) {
@@ -120,7 +117,7 @@ void run_cgal(benchmark::State& state) {
     const Points targets = subject.targets(share);
     for (std::size_t c = 0; c < constrained.size(); ++c) {
       const auto row = targets.row(static_cast<Eigen::Index>(c));
-      deformation.set_target_position(Vertex(constrained[c]), {row.x(), row.y(), row.z()});
+      deformation.set_target_position(CgalMesh::Vertex_index(constrained[c]), {row.x(), row.y(), row.z()});
     }
     deformation.deform(5, 0);
   }
@@ -145,6 +142,9 @@ void BM_FactoriseNonlinear(benchmark::State& state) {
 void BM_DragLinear(benchmark::State& state) {
   run_drag(state, kLinear);
 }
+void BM_DragLinearUnevenly(benchmark::State& state) {
+  run_drag(state, kLinear, true);
+}
 void BM_DragNonlinear(benchmark::State& state) {
   run_drag(state, kNonlinear);
 }
@@ -157,6 +157,7 @@ void BM_DragCgal(benchmark::State& state) {
 BENCHMARK(BM_FactoriseLinear)->Apply(sizes);
 BENCHMARK(BM_FactoriseNonlinear)->Apply(sizes);
 BENCHMARK(BM_DragLinear)->Apply(sizes);
+BENCHMARK(BM_DragLinearUnevenly)->Apply(sizes);
 BENCHMARK(BM_DragNonlinear)->Apply(sizes);
 BENCHMARK(BM_DragAsRigidAsPossible)->Apply(sizes);
 BENCHMARK(BM_DragCgal)->Apply(sizes);

@@ -1,9 +1,11 @@
-// Fairing: time of one whole job and the error that is left, for auto and the peers that live in the library.
-// Run with BATTEN_SHARED_DATA naming the folder of the public meshes.
-#include <algorithm>
+// Fairing: time of one whole job and the error that is left, for auto, the peers that live in the library and
+// MeshLab's two-step and Taubin smoothing, with Gaussian noise of three levels and with impulses, on meshes
+// of ../shared/data. Usage: bench_fairing [--benchmark_filter=...]
+#include "meshlab.hpp"
+#include "peers.hpp"
+
 #include <cmath>
-#include <cstdlib>
-#include <map>
+#include <memory>
 #include <string>
 
 #include <benchmark/benchmark.h>
@@ -11,65 +13,84 @@
 #include "batten/core/units.hpp"
 #include "batten/fairing/fair.hpp"
 #include "batten/fairing/noise.hpp"
-#include "batten/io/mesh_io.hpp"
 #include "batten/mesh/normals.hpp"
 
 namespace {
 
 using namespace batten;
 
-/// Mean angle between the normals of the triangles, degrees.
-double normal_error(const Points& a, const Points& b, const Triangles& triangles) {
-  const Points na = face_normals(a, triangles), nb = face_normals(b, triangles);
-  double sum = 0;
-  for (Eigen::Index f = 0; f < na.rows(); ++f)
-    sum += std::acos(std::clamp(na.row(f).dot(nb.row(f)), -1.0, 1.0));
-  return degrees(sum / static_cast<double>(na.rows()));
+/// `level`: of Gaussian noise; negative: a third of the vertices moved by that many edges.
+Points with_noise(const TriangleMesh& mesh, double level) {
+  return level >= 0 ? add_gaussian_noise(mesh.positions, mesh.triangles, level, 1)
+                    : add_impulsive_noise(mesh.positions, mesh.triangles, 1.0 / 3, -level,
+                                          ImpulseKind::AlongNormal, 1);
 }
 
-/// Fairs `file` with noise of `level` (negative: a third of the vertices moved by that many edges).
-void fair_mesh(benchmark::State& state, const std::string& file, FairingMethod method, double level) {
-  const char* folder = std::getenv("BATTEN_SHARED_DATA");
-  const std::string path = std::string(folder != nullptr ? folder : "../shared/data") + "/meshes/" + file;
-  static std::map<std::string, TriangleMesh> meshes;
-  try {
-    if (meshes.find(path) == meshes.end()) meshes[path] = read_mesh(path);
-  } catch (const Error& error) {
-    state.SkipWithError(error.what());
-    return;
-  }
-  const TriangleMesh& mesh = meshes[path];
-  const Points noisy = level >= 0 ? add_gaussian_noise(mesh.positions, mesh.triangles, level, 1)
-                                  : add_impulsive_noise(mesh.positions, mesh.triangles, 1.0 / 3, -level,
-                                                        ImpulseKind::AlongNormal, 1);
+void score_fairing(benchmark::State& state, const TriangleMesh& truth, const Points& noisy,
+                   const Points& faired) {
+  state.counters["vertices"] = static_cast<double>(truth.n_vertices());
+  state.counters["noisy_deg"] = degrees(mean_normal_angle(noisy, truth.positions, truth.triangles));
+  state.counters["faired_deg"] = degrees(mean_normal_angle(faired, truth.positions, truth.triangles));
+  state.counters["crossings_before"] = static_cast<double>(self_intersections(noisy, truth.triangles).size());
+  state.counters["crossings"] = static_cast<double>(self_intersections(faired, truth.triangles).size());
+}
+
+void run_batten(benchmark::State& state, Subject& subject, FairingMethod method, double level) {
+  const Points noisy = with_noise(subject.mesh, level);
   FairingOptions options;
   options.method = method;
   FairingResult result;
-  for (auto _ : state) {
-    result = fair(noisy, mesh.triangles, options);
-    benchmark::DoNotOptimize(result.positions.data());
+  const ProcessorClock clock;
+  for (auto _ : state) result = fair(noisy, subject.mesh.triangles, options);
+  if (method == FairingMethod::Automatic) subject.own_seconds = clock.seconds();
+  score_fairing(state, subject.mesh, noisy, result.positions);
+}
+
+void run_meshlab(benchmark::State& state, const Subject& subject, const meshlab::Filter& filter,
+                 double level) {
+  if (!meshlab::is_available()) {
+    state.SkipWithError("meshlabserver or xvfb-run is missing; tools/setup bench installs them");
+    return;
   }
-  state.counters["vertices"] = static_cast<double>(mesh.n_vertices());
-  state.counters["noisy_deg"] = normal_error(noisy, mesh.positions, mesh.triangles);
-  state.counters["faired_deg"] = normal_error(result.positions, mesh.positions, mesh.triangles);
+  TriangleMesh noisy = subject.mesh;
+  noisy.positions = with_noise(subject.mesh, level);
+  for (auto _ : state) {
+    const meshlab::Result result = meshlab::apply(filter, noisy);
+    state.SetIterationTime(result.seconds);
+    report_ratio(state, subject, result.cpu_seconds);
+    if (result.mesh.n_triangles() == noisy.n_triangles())
+      score_fairing(state, subject.mesh, noisy.positions, result.mesh.positions);
+    else
+      state.SkipWithError("MeshLab has changed the triangles");
+  }
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  for (const char* file : {"fandisk.obj", "cubehole.off.gz", "rocker-arm.obj", "bunny_34835.off.gz"})
-    for (const FairingMethod method :
-         {FairingMethod::Automatic, FairingMethod::GuidedNormal, FairingMethod::BilateralNormal,
-          FairingMethod::Taubin, FairingMethod::NonlocalSurfaceDiffusion})
-      for (const double level : {0.1, 0.2, 0.3, -0.5}) {
-        const std::string name =
-            "fair/" + std::string(file) + "/" + fairing_method_names()[static_cast<std::size_t>(method)] +
-            "/" + (level > 0 ? "gauss" : "impulse") + std::to_string(std::abs(level)).substr(0, 3);
-        benchmark::RegisterBenchmark(name.c_str(), fair_mesh, file, method, level)
-            ->Unit(benchmark::kMillisecond)
-            ->MeasureProcessCPUTime();
-      }
   benchmark::Initialize(&argc, argv);
+  for (const char* file : {"fandisk.obj", "cubehole.off.gz", "rocker-arm.obj", "bunny_34835.off.gz"}) {
+    const auto subject = public_mesh(file);
+    if (!subject) continue;
+    for (const double level : {0.1, 0.2, 0.3, -0.5}) {
+      const auto add = [&, level](const std::string& method, auto run) {
+        const std::string name = "fair/" + subject->name + "/" + (level > 0 ? "gauss" : "impulse") +
+                                 std::to_string(std::abs(level)).substr(0, 3) + "/" + method;
+        return once(benchmark::RegisterBenchmark(name.c_str(), run));
+      };
+      for (const FairingMethod method :
+           {FairingMethod::Automatic, FairingMethod::GuidedNormal, FairingMethod::BilateralNormal,
+            FairingMethod::Taubin, FairingMethod::NonlocalSurfaceDiffusion})
+        add(fairing_method_names()[static_cast<std::size_t>(method)],
+            [=](benchmark::State& s) { run_batten(s, *subject, method, level); });
+      add("meshlab_two_step", [=](benchmark::State& s) {
+        run_meshlab(s, *subject, meshlab::two_step_smoothing(), level);
+      })->UseManualTime();
+      add("meshlab_taubin", [=](benchmark::State& s) {
+        run_meshlab(s, *subject, meshlab::taubin_smoothing(), level);
+      })->UseManualTime();
+    }
+  }
   benchmark::RunSpecifiedBenchmarks();
   return 0;
 }

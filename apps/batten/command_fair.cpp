@@ -24,25 +24,12 @@ struct FairArguments {
   bool keep_boundary = false;
 };
 
-/// Nothing when `text` is "auto" or a number of at least 0, else what is wrong.
-std::string noise_problem(const std::string& text) {
-  double value = 0;
-  if (text == "auto" || (parse_number(text, value) && std::isfinite(value) && value >= 0)) return {};
-  return concat("--noise must be auto or a number of mean edge lengths, at least 0: ", text);
-}
-
-/// Mean angle between the normals of the triangles of two meshes of one connectivity, in degrees; triangles
-/// without area have none and do not count.
-double mean_normal_change(const Points& before, const Points& after, const Triangles& triangles) {
-  const Points a = face_normals(before, triangles), b = face_normals(after, triangles);
-  double sum = 0;
-  Eigen::Index count = 0;
-  for (Eigen::Index f = 0; f < a.rows(); ++f) {
-    if (!(a.row(f).squaredNorm() > 0 && b.row(f).squaredNorm() > 0)) continue;
-    sum += std::acos(std::clamp(a.row(f).dot(b.row(f)), -1.0, 1.0));
-    ++count;
-  }
-  return count > 0 ? degrees(sum / static_cast<double>(count)) : 0;
+/// The noise in mean edge lengths; −1 for "auto". @throws InvalidInput on anything else.
+double parse_noise(const std::string& text) {
+  double value = -1;
+  if (text != "auto" && !(parse_number(text, value) && std::isfinite(value) && value >= 0))
+    throw InvalidInput(concat("--noise must be auto or a number of mean edge lengths, at least 0: ", text));
+  return value;
 }
 
 Outcome run_fair(const FairArguments& arguments, Context& context) {
@@ -55,7 +42,7 @@ Outcome run_fair(const FairArguments& arguments, Context& context) {
   }
   FairingOptions options;
   options.method = parse_fairing_method(arguments.method);
-  if (arguments.noise != "auto") parse_number(arguments.noise, options.noise);
+  options.noise = parse_noise(arguments.noise);
   options.iterations = arguments.iterations;
   options.keep_boundary = arguments.keep_boundary;
   FairingResult result;
@@ -75,7 +62,8 @@ Outcome run_fair(const FairArguments& arguments, Context& context) {
   figures["iterations"] = result.iterations;
   figures["time_step"] = result.time_step > 0 ? Json(result.time_step) : Json(nullptr);
   figures["largest_move"] = result.largest_move;
-  figures["mean_normal_change_deg"] = mean_normal_change(mesh.positions, result.positions, mesh.triangles);
+  figures["mean_normal_change_deg"] =
+      degrees(mean_normal_angle(mesh.positions, result.positions, mesh.triangles));
   figures["volume_change_percent"] = nullptr;
   if (topology.is_watertight()) {
     const double before = enclosed_volume(mesh.positions, mesh.triangles);
@@ -122,7 +110,7 @@ void add_fair(CLI::App& app) {
   command
       ->add_option("--noise", arguments->noise,
                    "Standard deviation of the noise in mean edge lengths, or auto to estimate it")
-      ->check(noise_problem);
+      ->check(parses("auto or a number", [](const std::string& text) { parse_noise(text); }));
   command
       ->add_option("--iterations", arguments->iterations, "Rounds or steps; 0 takes the method's own number")
       ->check(CLI::Range(0, 100000));

@@ -132,19 +132,6 @@ TriangleMesh midpoint_subdivided(const TriangleMesh& mesh) {
   return result;
 }
 
-/// Mean angle between the normals of corresponding triangles, degrees; triangles without area do not count.
-double normal_error_deg(const Points& truth, const Points& positions, const Triangles& triangles) {
-  const Points a = face_normals(truth, triangles), b = face_normals(positions, triangles);
-  double sum = 0;
-  Eigen::Index count = 0;
-  for (Eigen::Index f = 0; f < a.rows(); ++f) {
-    if (!(a.row(f).squaredNorm() > 0 && b.row(f).squaredNorm() > 0)) continue;
-    sum += std::acos(std::clamp(a.row(f).dot(b.row(f)), -1.0, 1.0));
-    ++count;
-  }
-  return count > 0 ? degrees(sum / static_cast<double>(count)) : 0;
-}
-
 class Experiments {
  public:
   Experiments(std::string folder, bool pictures, const Progress& progress)
@@ -259,7 +246,7 @@ void Experiments::fairing() {
       Json ours = Json::object();
       const double change = enclosed_volume(positions, clean.triangles) / clean_volume - 1;
       ours["volume_change_percent"] = std::isfinite(change) ? Json(100 * std::abs(change)) : Json(nullptr);
-      ours["normal_error_deg"] = normal_error_deg(clean.positions, positions, clean.triangles);
+      ours["normal_error_deg"] = degrees(mean_normal_angle(clean.positions, positions, clean.triangles));
       return ours;
     };
     const auto add = [&](const std::string& algorithm, const FairingRow* thesis, const Json& ours) {

@@ -65,6 +65,34 @@ TEST(Deformer, CarriesTranslationsOverExactly) {
   }
 }
 
+// The linear solution is linear in the targets: T = (T + r) − r, and with random r neither of these moves a
+// handle affinely, so that both take the way by back-substitution that a turned and shifted handle does not.
+TEST(Deformer, AnswersToTurnedHandlesAsBackSubstitutionDoes) {
+  const Tube tube = bumpy_tube(20, 3, 0.1, 0.2);
+  const Points rest = rows_of(tube.positions, tube.ends);
+  const Matrix3d turn = Eigen::AngleAxisd(0.7, Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+  Points targets = rest, random = Points(rest.rows(), 3);
+  Random generator(3);
+  const double middle = 0.5 * (tube.positions.col(2).minCoeff() + tube.positions.col(2).maxCoeff());
+  for (Eigen::Index c = 0; c < rest.rows(); ++c) {
+    if (rest(c, 2) > middle) targets.row(c) = rest.row(c) * turn.transpose() + Eigen::RowVector3d(0.1, 0, 2);
+    random.row(c) = 0.1 * generator.direction().transpose();
+  }
+  for (const double soft : {0.0, 10.0})
+    for (const DeformationEnergy energy : kEnergies) {
+      DeformOptions options;
+      options.energy = energy;
+      options.detail = DetailPreservation::None;
+      options.soft_weight = soft;
+      const Deformer deformer(tube.positions, tube.triangles, tube.ends, options);
+      const Points expected = tube.positions + deformer.deform(targets + random).positions -
+                              deformer.deform(rest + random).positions;
+      for (int drag = 0; drag < 2; ++drag)
+        EXPECT_LT((deformer.deform(targets).positions - expected).cwiseAbs().maxCoeff(), 1e-9)
+            << static_cast<int>(energy) << ' ' << soft;
+    }
+}
+
 // Shape matching keeps every edge when all handles turn alike: the turned shape has zero energy.
 TEST(Deformer, ShapeMatchingFollowsARigidMotion) {
   const Tube tube = bumpy_tube(20, 3, 0.1, 0.2);

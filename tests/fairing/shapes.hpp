@@ -89,11 +89,7 @@ inline Mesh sheet(int n, int m, double a, double b) {
 
 /// Mean angle between the normals of the triangles of two meshes of one connectivity, in degrees.
 inline double normal_error_deg(const Points& a, const Points& b, const Triangles& triangles) {
-  const Points na = face_normals(a, triangles), nb = face_normals(b, triangles);
-  double sum = 0;
-  for (Eigen::Index f = 0; f < na.rows(); ++f)
-    sum += std::acos(std::clamp(na.row(f).dot(nb.row(f)), -1.0, 1.0));
-  return degrees(sum / static_cast<double>(na.rows()));
+  return degrees(mean_normal_angle(a, b, triangles));
 }
 
 }  // namespace batten::fixtures

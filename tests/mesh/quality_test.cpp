@@ -92,6 +92,20 @@ TEST(VertexNormals, OfACubePointAlongTheDiagonals) {
   EXPECT_NEAR(enclosed_volume(far, cube), 8, 1e-8);
 }
 
+// One triangle turned by 30° about an edge, one turned over, one without area: (30° + 180°) / 2.
+TEST(MeanNormalAngle, LeavesOutTrianglesWithoutArea) {
+  Points a(5, 3);
+  a << 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, -1, 0, 2, 0, 0;
+  Triangles triangles(3, 3);
+  triangles << 0, 1, 2, 1, 0, 3, 0, 1, 4;
+  Points b = a;
+  b.row(2) << 0, std::cos(kPi / 6), std::sin(kPi / 6);
+  b.row(3) << 0.5, 3, 0;
+  EXPECT_NEAR(mean_normal_angle(a, b, triangles), radians(105.0), 1e-14);
+  EXPECT_EQ(mean_normal_angle(a, a, triangles), 0);
+  EXPECT_EQ(mean_normal_angle(a, b, triangles.bottomRows(1)), 0);
+}
+
 // Normals of a sphere are its points; the mesh errs by the square of the edge length.
 TEST(VertexNormals, ConvergeOnASphere) {
   double previous = 1;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <mutex>
 
 #include <Eigen/Dense>
 
@@ -21,6 +22,7 @@ namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 void check_options(const DeformOptions& options) {
   const auto positive = [](double value) { return value > 0 && std::isfinite(value); };
@@ -121,6 +123,59 @@ SparseMatrix part_of(const SparseMatrix& T, const std::vector<int>& row_of, cons
   return part;
 }
 
+/// Iterations of shape matching that Anderson's acceleration looks back on, and after which it begins.
+constexpr int kAccelerationDepth = 6, kPlainIterations = 5;
+/// Its damping (Walker, Ni's β). On cow and cheburashka with a turn of 40°, 2 of 6 runs converge within 100
+/// iterations, and the others end after 200 at steps 1.4 to 150 times smaller than plain ones, of which none
+/// converges.
+constexpr double kMixing = 0.5;
+
+/// Fixed points x = g(x) from the last few steps: the combination of them whose residuals g(x) − x cancel
+/// best (Anderson 1965; Walker, Ni 2011). Where plain steps creep or swing this converges like a quasi-Newton
+/// method.
+class AndersonAcceleration {
+ public:
+  explicit AndersonAcceleration(int depth) : depth_(depth) {}
+
+  void forget() { past_.clear(); }
+
+  /// Moves x to where g is to be evaluated next. @param g what g(x) was. @param damping of the step, (0, 1].
+  void advance(Points& x, const Points& g, double damping) {
+    const Points residual = g - x;
+    if (!past_.empty()) {
+      past_.back().x = x - past_.back().x;
+      past_.back().residual = residual - past_.back().residual;
+    }
+    const auto m = static_cast<Eigen::Index>(past_.size());
+    Points step = damping * residual;
+    if (m > 0) {
+      Eigen::MatrixXd gram(m, m);
+      Eigen::VectorXd right(m);
+      for (Eigen::Index i = 0; i < m; ++i) {
+        for (Eigen::Index j = 0; j <= i; ++j)
+          gram(i, j) = gram(j, i) = past_[i].residual.cwiseProduct(past_[j].residual).sum();
+        right[i] = past_[i].residual.cwiseProduct(residual).sum();
+      }
+      // Steps that have become parallel must not blow up the combination.
+      gram.diagonal().array() *= 1 + 1e-10;
+      const Eigen::VectorXd share = gram.ldlt().solve(right);
+      if (share.allFinite())
+        for (Eigen::Index i = 0; i < m; ++i) step -= share[i] * (past_[i].x + damping * past_[i].residual);
+    }
+    if (m == depth_) past_.erase(past_.begin());
+    past_.push_back({x, residual});
+    x += step;
+  }
+
+ private:
+  /// Differences of one step and of the residuals at its ends; for the last entry, where it began.
+  struct Step {
+    Points x, residual;
+  };
+  int depth_;
+  std::vector<Step> past_;
+};
+
 }  // namespace
 
 struct Deformer::Implementation {
@@ -182,11 +237,21 @@ struct Deformer::Implementation {
     cholesky.factorize(lower);
   }
 
+  /// Constrained vertices that hang together along edges and, as parts of one handle, mostly move as one.
+  struct Region {
+    std::vector<Eigen::Index> rows;  ///< of the constraints
+    Eigen::MatrixXd basis;  ///< rows × r: orthonormal affine functions of the rest positions, r ≤ 4
+    std::once_flag once;
+    RowMajor response;  ///< n × r: how all vertices answer to the basis; computed when first asked for
+  };
+  std::vector<std::unique_ptr<Region>> regions;  ///< empty where there are too many
+
   /// Solves A X = B + (what the constraints add) and fills in the constrained rows.
-  /// @param B n × 3. @param values c × 3: targets, or target displacements.
-  /// @param outside n × 3: what vertices without triangles get.
-  Points solve(const Points& B, const Points& values, const Points& outside) const {
-    Eigen::MatrixXd right(unknowns.size(), 3);
+  /// @param B n × k. @param values c × k: targets, or target displacements.
+  /// @param outside n × k: what vertices without triangles get.
+  template <typename Rows>
+  Rows solve(const Rows& B, const Rows& values, const Rows& outside) const {
+    Eigen::MatrixXd right(unknowns.size(), B.cols());
     for (std::size_t u = 0; u < unknowns.size(); ++u) right.row(u) = B.row(unknowns[u]);
     if (is_soft())
       for (std::size_t c = 0; c < constrained.size(); ++c)
@@ -194,12 +259,79 @@ struct Deformer::Implementation {
     else
       right -= known * values;
     const Eigen::MatrixXd solution = cholesky.solve(right);
-    Points X = outside;
+    Rows X = outside;
     for (std::size_t u = 0; u < unknowns.size(); ++u) X.row(unknowns[u]) = solution.row(u);
     if (!is_soft())
       for (std::size_t c = 0; c < constrained.size(); ++c)
         X.row(constrained[c]) = values.row(static_cast<Eigen::Index>(c));
     return X;
+  }
+
+  void find_regions(const Triangles& triangles, const std::vector<int>& index_of_known) {
+    constexpr std::size_t kMostRegions = 8;
+    const auto c = static_cast<Eigen::Index>(constrained.size());
+    Triangles inside(triangles.rows(), 3);  // edges between constraints, as triangles that repeat a corner
+    Eigen::Index count = 0;
+    for (Eigen::Index f = 0; f < triangles.rows(); ++f) {
+      Eigen::RowVector3i known_corners;
+      int held = 0;
+      for (int k = 0; k < 3; ++k)
+        if (const int row = index_of_known[triangles(f, k)]; row >= 0) known_corners[held++] = row;
+      if (held < 2) continue;
+      if (held == 2) known_corners[2] = known_corners[1];
+      inside.row(count++) = known_corners;
+    }
+    const std::vector<int> part = parts(inside.topRows(count), c);
+    std::vector<int> region_of(constrained.size(), -1);
+    for (std::size_t row = 0; row < constrained.size(); ++row) {
+      int& region = region_of[part[row]];
+      if (region < 0) {
+        region = static_cast<int>(regions.size());
+        if (regions.size() == kMostRegions) {
+          regions.clear();
+          return;
+        }
+        regions.push_back(std::make_unique<Region>());
+      }
+      regions[region]->rows.push_back(static_cast<Eigen::Index>(row));
+    }
+    for (const auto& region : regions) {
+      const auto m = static_cast<Eigen::Index>(region->rows.size());
+      Eigen::MatrixXd affine(m, 4);
+      for (Eigen::Index i = 0; i < m; ++i) affine.row(i) << 1, rest.row(constrained[region->rows[i]]);
+      affine.rightCols(3).rowwise() -= affine.rightCols(3).colwise().mean().eval();
+      if (diameter > 0) affine.rightCols(3) /= diameter;
+      Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(affine);
+      qr.setThreshold(1e-9);  // flat and straight regions, and single vertices, span less than four
+      region->basis = qr.householderQ() * Eigen::MatrixXd::Identity(m, qr.rank());
+    }
+  }
+
+  /// Adds to the rest shape the answer to displacements (c × 3) that are affine on every region: translations
+  /// and turns of handles are. It is linear in the few numbers that describe them, so that no system is left
+  /// to solve (Botsch, Kobbelt: An intuitive framework, 2004). @return false, with X undefined, where some
+  /// region moves otherwise.
+  bool respond(const Points& displacements, Points& X) const {
+    if (regions.empty()) return false;
+    const double rounding = 1e-13 * (rest.cwiseAbs().maxCoeff() + displacements.cwiseAbs().maxCoeff());
+    X = rest;
+    for (const auto& region : regions) {
+      const auto m = static_cast<Eigen::Index>(region->rows.size());
+      Eigen::MatrixXd moves(m, 3);
+      for (Eigen::Index i = 0; i < m; ++i) moves.row(i) = displacements.row(region->rows[i]);
+      if (moves.isZero(0)) continue;
+      const Eigen::MatrixXd coefficients = region->basis.transpose() * moves;
+      if ((moves - region->basis * coefficients).cwiseAbs().maxCoeff() > rounding) return false;
+      std::call_once(region->once, [&] {
+        const Eigen::Index r = region->basis.cols();
+        RowMajor values = RowMajor::Zero(displacements.rows(), r);
+        for (Eigen::Index i = 0; i < m; ++i) values.row(region->rows[i]) = region->basis.row(i);
+        const RowMajor zero = RowMajor::Zero(rest.rows(), r);
+        region->response = solve(zero, values, zero);
+      });
+      X.noalias() += region->response * coefficients;
+    }
+    return true;
   }
 
   Points apply_bending(const Points& vectors) const {
@@ -358,6 +490,7 @@ Deformer::Deformer(const Points& positions, const Triangles& triangles, std::vec
   } else {
     factorize();
   }
+  if (options.detail == DetailPreservation::None) self.find_regions(triangles, index_of_known);
   if (gauss_newton) {
     self.dual = std::make_unique<DualLaplacian>(positions, triangles, self.rest_vectors);
     for (Eigen::Index v = 0; v < n; ++v)
@@ -383,14 +516,16 @@ Deformer::Result Deformer::deform(const Points& targets, const Points* start,
     throw InvalidInput(concat("the start has ", start->rows(), " positions, but the mesh ", n, " vertices"));
 
   Result result;
-  const Points zero = Points::Zero(n, 3);
   if (start != nullptr) {
     result.positions = *start;
   } else {
     Points displacements = targets;
     for (std::size_t c = 0; c < self.constrained.size(); ++c)
       displacements.row(static_cast<Eigen::Index>(c)) -= self.rest.row(self.constrained[c]);
-    result.positions = self.rest + self.solve(zero, displacements, zero);
+    if (!self.respond(displacements, result.positions)) {
+      const Points zero = Points::Zero(n, 3);
+      result.positions = self.rest + self.solve(zero, displacements, zero);
+    }
   }
   if (self.options.detail == DetailPreservation::None) {
     if (start != nullptr) return deform(targets, nullptr, progress);
@@ -398,31 +533,42 @@ Deformer::Result Deformer::deform(const Points& targets, const Points* start,
   }
 
   const bool gauss_newton = self.options.detail == DetailPreservation::GaussNewton;
-  const Points constant = gauss_newton ? self.displacement_forces() : zero;
+  const Points constant = gauss_newton ? self.displacement_forces() : Points();
   std::vector<Matrix3d> rotations;
+  AndersonAcceleration acceleration(kAccelerationDepth);
   double damping = 1, last_move = std::numeric_limits<double>::infinity();
   result.report.converged = false;
   while (!result.report.converged && result.report.iterations < self.options.max_iterations) {
     Points next;
     if (gauss_newton) {
-      next =
-          self.solve(constant + self.detail_forces(result.positions, rotations), targets, result.positions);
+      next = self.solve(Points(constant + self.detail_forces(result.positions, rotations)), targets,
+                        result.positions);
     } else {
       fit_local_rotations(self.K, self.rest, result.positions, rotations);
       next = self.solve(self.turned_rest(rotations), targets, result.positions);
     }
     const double move = (next - result.positions).rowwise().norm().maxCoeff();
-    // Neither alternation is bound to descend: on irregular triangles the steps may begin to swing. Then they
-    // are shortened, which leaves the solution, where the step is zero, in its place.
-    damping = move < 0.95 * last_move ? std::min(1.0, 1.05 * damping) : std::max(0.05, 0.7 * damping);
-    last_move = move;
-    if (damping < 1)
-      result.positions += damping * (next - result.positions);
-    else
-      result.positions = std::move(next);
     ++result.report.iterations;
     result.report.last_move = self.diameter > 0 ? move / self.diameter : 0;
     result.report.converged = result.report.last_move <= self.options.tolerance;
+    if (result.report.converged) {
+      result.positions = std::move(next);
+    } else if (gauss_newton) {
+      // This alternation is not bound to descend: on irregular triangles the steps may begin to swing. Then
+      // they are shortened, which leaves the solution, where the step is zero, in its place. (Acceleration
+      // by past steps was tried and swings as well.)
+      damping = move < 0.95 * last_move ? std::min(1.0, 1.05 * damping) : std::max(0.05, 0.7 * damping);
+      if (damping < 1)
+        result.positions += damping * (next - result.positions);
+      else
+        result.positions = std::move(next);
+    } else {
+      // Far from the solution, and where it has led astray, the past says nothing.
+      const bool accelerate = result.report.iterations > kPlainIterations;
+      if (!accelerate || move > 1.1 * last_move) acceleration.forget();
+      acceleration.advance(result.positions, next, accelerate ? kMixing : 1);
+    }
+    last_move = move;
     progress.report("deforming", static_cast<double>(result.report.iterations) / self.options.max_iterations);
   }
   return result;

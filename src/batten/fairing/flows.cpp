@@ -69,10 +69,12 @@ struct LinearFlow {
   Points projection;             ///< unit vectors along which alone vertices move; 0 × 3: anywhere
 };
 
-/// The loop shared by all linear flows: backward or forward Euler with the thesis's steps.
-Points run_flow(const Points& positions, const Triangles& triangles, const FlowOptions& options,
-                FlowReport* report, const Progress& progress,
-                const std::function<LinearFlow(const Points&)>& build) {
+/// The loop shared by all flows of positions.
+/// @param advance (X, vertices that stay, next): puts into `next`, which comes as X, where the step leads,
+/// and returns its length; 0 ends the flow. What it says of vertices that stay is ignored.
+Points run_steps(const Points& positions, const Triangles& triangles, const FlowOptions& options,
+                 FlowReport* report, const Progress& progress,
+                 const std::function<double(const Points&, const std::vector<char>&, Points&)>& advance) {
   check(options);
   const std::vector<char> fixed = fairing_detail::fixed_vertices(positions, triangles, options.keep_boundary);
   FlowReport own;
@@ -80,39 +82,13 @@ Points run_flow(const Points& positions, const Triangles& triangles, const FlowO
   told = {};
   Points X = positions;
   if (triangles.rows() == 0) return X;
-  const double edge = mean_edge_length(positions, triangles);
-  SparseCholesky solver("geometric flow step");
   for (int step = 0; step < options.steps; ++step) {
     progress.report("fairing", static_cast<double>(step) / options.steps);
-    const LinearFlow flow = build(X);
-    double tau = options.time_step;
-    if (tau == 0) {
-      if (options.implicit) {
-        const double fastest = std::max(largest_row(flow.velocity), flow.largest_laplacian);
-        // Below rounding: nothing is left to smooth.
-        if (!(fastest > 1e-12 * (flow.is_fourth_order ? 1 / (edge * edge * edge) : 1 / edge))) break;
-        tau = edge / fastest;  // (1.45)
-      } else {
-        tau = stable_step(flow.A, flow.mass);
-        if (!flow.is_fourth_order)
-          tau = std::min(tau, 0.5 * std::pow(shortest_edge(X, triangles), 2));  // (1.44)
-      }
-    }
     Points next = X;
-    if (options.implicit) {
-      const SparseMatrix system = tau * flow.A + diagonal_matrix((1 + tau * options.fidelity) * flow.mass);
-      const Points right = flow.mass.asDiagonal() * (X + tau * options.fidelity * positions);
-      fairing_detail::solve_with_fixed(solver, system, right, fixed, next);
-    } else {
-      next += tau * (flow.velocity + options.fidelity * (positions - X));
-    }
-    for (Eigen::Index v = 0; v < X.rows(); ++v) {
-      if (fixed[v]) continue;
-      if (flow.projection.rows() > 0)
-        X.row(v) += (next.row(v) - X.row(v)).dot(flow.projection.row(v)) * flow.projection.row(v);
-      else
-        X.row(v) = next.row(v);
-    }
+    const double tau = advance(X, fixed, next);
+    if (tau == 0) break;
+    for (Eigen::Index v = 0; v < X.rows(); ++v)
+      if (!fixed[v]) X.row(v) = next.row(v);
     if (!X.allFinite())
       throw SolverFailure("the flow, whose explicit steps are too long; shorten time_step,", X.rows());
     told.time_step = tau;
@@ -120,6 +96,43 @@ Points run_flow(const Points& positions, const Triangles& triangles, const FlowO
   }
   told.largest_move = largest_row(X - positions);
   return X;
+}
+
+/// All linear flows: backward or forward Euler with the thesis's steps.
+Points run_flow(const Points& positions, const Triangles& triangles, const FlowOptions& options,
+                FlowReport* report, const Progress& progress,
+                const std::function<LinearFlow(const Points&)>& build) {
+  SparseCholesky solver("geometric flow step");
+  const auto advance = [&](const Points& X, const std::vector<char>& fixed, Points& next) {
+    const LinearFlow flow = build(X);
+    double tau = options.time_step;
+    if (tau == 0) {
+      if (options.implicit) {
+        const double edge = mean_edge_length(positions, triangles);
+        const double fastest = std::max(largest_row(flow.velocity), flow.largest_laplacian);
+        // Below rounding: nothing is left to smooth.
+        if (!(fastest > 1e-12 * (flow.is_fourth_order ? 1 / (edge * edge * edge) : 1 / edge))) return 0.0;
+        tau = edge / fastest;  // (1.45)
+      } else {
+        tau = stable_step(flow.A, flow.mass);
+        if (!flow.is_fourth_order)
+          tau = std::min(tau, 0.5 * std::pow(shortest_edge(X, triangles), 2));  // (1.44)
+      }
+    }
+    if (options.implicit) {
+      const SparseMatrix system = tau * flow.A + diagonal_matrix((1 + tau * options.fidelity) * flow.mass);
+      const Points right = flow.mass.asDiagonal() * (X + tau * options.fidelity * positions);
+      fairing_detail::solve_with_fixed(solver, system, right, fixed, next);
+    } else {
+      next += tau * (flow.velocity + options.fidelity * (positions - X));
+    }
+    if (flow.projection.rows() > 0)
+      for (Eigen::Index v = 0; v < X.rows(); ++v)
+        next.row(v) =
+            X.row(v) + (next.row(v) - X.row(v)).dot(flow.projection.row(v)) * flow.projection.row(v);
+    return tau;
+  };
+  return run_steps(positions, triangles, options, report, progress, advance);
 }
 
 Points divided(const Points& rows, const VectorXd& by) {
@@ -213,17 +226,8 @@ Points anisotropic_tensor_flow(const Points& positions, const Triangles& triangl
 
 Points elastica_flow(const Points& positions, const Triangles& triangles, const FlowOptions& options,
                      FlowReport* report, const Progress& progress) {
-  check(options);
-  const std::vector<char> fixed = fairing_detail::fixed_vertices(positions, triangles, options.keep_boundary);
-  FlowReport own;
-  FlowReport& told = report != nullptr ? *report : own;
-  told = {};
-  Points X = positions;
-  if (triangles.rows() == 0) return X;
-  const double edge = mean_edge_length(positions, triangles);
   SparseCholesky solver("elastica flow step");
-  for (int step = 0; step < options.steps; ++step) {
-    progress.report("fairing", static_cast<double>(step) / options.steps);
+  const auto advance = [&](const Points& X, const std::vector<char>& fixed, Points& next) {
     const Curvatures curvatures = discrete_curvatures(X, triangles);
     const SparseMatrix K = fairing_detail::bounded_stiffness(X, triangles);
     const VectorXd mass = fairing_detail::bounded_mass(X, triangles);
@@ -242,8 +246,8 @@ Points elastica_flow(const Points& positions, const Triangles& triangles, const 
     const SparseMatrix bilaplacian = K * mass.cwiseInverse().asDiagonal() * K;
     double tau = options.time_step;
     if (tau == 0) {
-      const double fastest = largest_row(velocity);
-      if (!(fastest > 1e-12 / (edge * edge * edge))) break;
+      const double edge = mean_edge_length(positions, triangles), fastest = largest_row(velocity);
+      if (!(fastest > 1e-12 / (edge * edge * edge))) return 0.0;
       tau = options.implicit ? edge / fastest : stable_step(bilaplacian, mass);
     }
     Points moves = tau * velocity;
@@ -255,15 +259,10 @@ Points elastica_flow(const Points& positions, const Triangles& triangles, const 
       moves.setZero();
       fairing_detail::solve_with_fixed(solver, system, right, fixed, moves);
     }
-    for (Eigen::Index v = 0; v < X.rows(); ++v)
-      if (!fixed[v]) X.row(v) += moves.row(v);
-    if (!X.allFinite())
-      throw SolverFailure("the flow, whose explicit steps are too long; shorten time_step,", X.rows());
-    told.time_step = tau;
-    told.steps = step + 1;
-  }
-  told.largest_move = largest_row(X - positions);
-  return X;
+    next += moves;
+    return tau;
+  };
+  return run_steps(positions, triangles, options, report, progress, advance);
 }
 
 Points nonlocal_flow(const Points& positions, const Triangles& triangles, const NonlocalFlowOptions& options,

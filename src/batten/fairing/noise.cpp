@@ -88,6 +88,11 @@ Points add_thesis_noise(const Points& positions, const Triangles& triangles, dou
   return noisy;
 }
 
+double noise_significance(double level, double doubt) {
+  const double ramp = std::clamp((level - 0.05 - 0.1 * std::max(0.0, doubt)) / 0.03, 0.0, 1.0);
+  return ramp * ramp * (3 - 2 * ramp);
+}
+
 NoiseEstimate estimate_noise(const Points& positions, const Triangles& triangles) {
   NoiseEstimate estimate;
   const Eigen::Index n = positions.rows();
@@ -120,8 +125,7 @@ NoiseEstimate estimate_noise(const Points& positions, const Triangles& triangles
   std::nth_element(deviations.begin(), middle, deviations.end());
   constexpr double kMedianOfHalfNormal = 0.67448975;
   estimate.level = *middle / kMedianOfHalfNormal / edge;
-  const double ramp = std::clamp((estimate.level - 0.05) / 0.03, 0.0, 1.0);
-  estimate.significance = ramp * ramp * (3 - 2 * ramp);
+  estimate.significance = noise_significance(estimate.level, 0);
   return estimate;
 }
 

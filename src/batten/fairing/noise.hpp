@@ -41,10 +41,15 @@ Points add_thesis_noise(const Points& positions, const Triangles& triangles, dou
 struct NoiseEstimate {
   /// Standard deviation of the vertices along their normals, in mean edge lengths.
   double level = 0;
-  /// The part of the level that is surely noise: 0 where `level` is what the shapes of clean meshes give
-  /// as well (below 0.05), all of it above 0.08.
+  /// The part of the level that is surely noise: noise_significance() without doubt.
   double significance = 0;
 };
+
+/// The part of an estimated noise level (in mean edge lengths) that is surely noise: none of it below a bar,
+/// where clean meshes come as well, all of it from 0.03 above it. The bar is 0.05 for shapes that are smooth
+/// at the scale of their triangles; it rises by 0.1 times `doubt`, a share of the level that speaks for
+/// shape.
+double noise_significance(double level, double doubt);
 
 /// The bi-umbrella (I − P)² X, P the mean of the neighbours, projected on smoothed vertex normals: smooth
 /// shapes hardly show in it, noise does by a factor known per vertex. The median over the vertices makes it

@@ -49,4 +49,17 @@ Points vertex_normals(const Points& positions, const Triangles& triangles) {
   return normals;
 }
 
+double mean_normal_angle(const Points& a, const Points& b, const Triangles& triangles) {
+  const Points na = face_normals(a, triangles), nb = face_normals(b, triangles);
+  double sum = 0;
+  Eigen::Index count = 0;
+  for (Eigen::Index f = 0; f < triangles.rows(); ++f) {
+    const Eigen::Vector3d u = na.row(f), v = nb.row(f);
+    if (u.isZero(0) || v.isZero(0)) continue;
+    sum += std::atan2(u.cross(v).norm(), u.dot(v));
+    ++count;
+  }
+  return count > 0 ? sum / static_cast<double>(count) : 0;
+}
+
 }  // namespace batten

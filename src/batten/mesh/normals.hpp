@@ -13,4 +13,9 @@ Points face_normals(const Points& positions, const Triangles& triangles);
 /// rows where no triangle has area.
 Points vertex_normals(const Points& positions, const Triangles& triangles);
 
+/// Mean angle between the normals of corresponding triangles of two meshes of one connectivity, in [0, π]
+/// radians. Triangles without area in either have no normal and do not count; 0 where none does.
+/// @param a, b positions, n × 3 each.
+double mean_normal_angle(const Points& a, const Points& b, const Triangles& triangles);
+
 }  // namespace batten
