@@ -71,6 +71,19 @@ EditOutcome Document::apply(const Edit& edit, const Confirm& confirm) {
   return outcome;
 }
 
+SurfaceUpdate Document::update_surface(const DiffusionOptions& options, const Progress& progress) {
+  if (!kept_.surface || kept_.options != options) {
+    kept_.surface = std::make_unique<EditedSurface>(options);
+    kept_.options = options;
+  }
+  return kept_.surface->update(mesh_, progress);
+}
+
+DiffusionSurface Document::surface(const DiffusionOptions& options, const Progress& progress) {
+  update_surface(options, progress);
+  return kept_.surface->surface(mesh_);
+}
+
 Document Document::restored(PolylineMesh mesh, std::vector<Edit> log) {
   Document document;
   document.mesh_ = std::move(mesh);

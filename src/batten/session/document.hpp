@@ -1,11 +1,14 @@
 #pragma once
 #include <array>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
+#include "batten/core/progress.hpp"
+#include "batten/sketch/diffusion_surface.hpp"
 #include "batten/sketch/polyline_mesh.hpp"
 #include "batten/sketch/tools.hpp"
 
@@ -80,6 +83,16 @@ class Document {
   /// Every edit that was done, undo and redo among them: played again, they give the same document.
   const std::vector<Edit>& log() const { return log_; }
 
+  /// Brings the surface of the document (FIRES V2, see EditedSurface) up to date with all edits, undos and
+  /// redos since it was last asked for. It is made when it is first asked for and kept; then the cost follows
+  /// the edits. Other options than those of the last time begin anew, and so do copies of a document.
+  /// It is that made from nothing to within five times the tolerance of the options; the same edits with the
+  /// surface asked for at the same places among them give it bit for bit.
+  /// @throws as EditedSurface::update() does; what was not finished is done the next time.
+  SurfaceUpdate update_surface(const DiffusionOptions& options = {}, const Progress& progress = {});
+  /// The same, and the whole of it. @throws as update_surface() does.
+  DiffusionSurface surface(const DiffusionOptions& options = {}, const Progress& progress = {});
+
   /// A document without history. `log` is what led to it, for the record.
   static Document restored(PolylineMesh mesh, std::vector<Edit> log);
 
@@ -88,6 +101,22 @@ class Document {
   std::vector<PolylineMesh::Change> history_;
   size_t n_done_ = 0;
   std::vector<Edit> log_;
+
+  /// Not a part of what a document is: copies begin without one.
+  struct KeptSurface {
+    KeptSurface() = default;
+    KeptSurface(const KeptSurface&) {}
+    KeptSurface& operator=(const KeptSurface&) {
+      surface.reset();
+      return *this;
+    }
+    KeptSurface(KeptSurface&&) = default;
+    KeptSurface& operator=(KeptSurface&&) = default;
+    ~KeptSurface() = default;
+    std::unique_ptr<EditedSurface> surface;
+    DiffusionOptions options;
+  };
+  KeptSurface kept_;
 };
 
 /// Carries out one edit other than undo and redo within the caller's begin() and commit(), and checks what it

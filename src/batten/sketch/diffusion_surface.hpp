@@ -34,6 +34,7 @@ struct DiffusionOptions {
 
   /// The first problem found, naming field and value, or nothing.
   std::optional<std::string> problem() const;
+  bool operator==(const DiffusionOptions&) const = default;
 };
 
 /// The refined mesh of H 6.4 before and after its flow.

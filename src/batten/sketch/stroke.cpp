@@ -21,6 +21,10 @@ constexpr double kWindow = 0.02;      // of the length: how far a corner looks t
 constexpr double kChordError = 1e-5;  // of the length
 constexpr double kFitError = 5e-6;    // of the length; of strokes without noise
 constexpr double kClearOfHolds = 10;  // times how far a held point lies off the stroke
+/// Four held points in a row that are nearer to each other than this share of the length are too dense for a
+/// spline to go through all of them: with about one in every span the system is close to singular, with more
+/// it has no solution, and the curve swings, each by more than those that it crosses.
+constexpr double kDenseFour = 0.07;
 
 double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -188,24 +192,38 @@ Basis cubic_basis(double u, int spans, bool periodic) {
   return basis;
 }
 
-/// A cubic spline over [0, 1].
+struct Sample {
+  double t, weight;
+  Vector3d point;
+};
+
+/// A cubic spline over [0, 1], and what is added to it between held points.
 struct Spline {
   int spans = 1;
   bool periodic = false;
   Points control;
+  /// In order of t; `point` is what is missing there. From one to the next it changes without overshoot and
+  /// with no slope at either end, so that it is never more than the larger of the two.
+  std::vector<Sample> offsets;
 
   Vector3d at(double t) const {
     const Basis basis = cubic_basis(t * spans, spans, periodic);
     Vector3d sum = Vector3d::Zero();
     for (int k = 0; k < 4; ++k) sum += basis.values[k] * control.row(index(basis.first + k)).transpose();
-    return sum;
+    return offsets.empty() ? sum : sum + offset_at(t);
+  }
+  Vector3d offset_at(double t) const {
+    const auto above = std::upper_bound(offsets.begin(), offsets.end(), t,
+                                        [](double value, const Sample& sample) { return value < sample.t; });
+    const bool before_all = above == offsets.begin(), after_all = above == offsets.end();
+    const Sample &one = before_all ? offsets.back() : *(above - 1),
+                 &next = after_all ? offsets.front() : *above;
+    if (!periodic && (before_all || after_all)) return before_all ? next.point : one.point;
+    const double t0 = before_all ? one.t - 1 : one.t, t1 = after_all ? next.t + 1 : next.t;
+    const double s = t1 > t0 ? (t - t0) / (t1 - t0) : 0, rise = s * s * (3 - 2 * s);
+    return (1 - rise) * one.point + rise * next.point;
   }
   Index index(int k) const { return periodic ? k % control.rows() : k; }
-};
-
-struct Sample {
-  double t, weight;
-  Vector3d point;
 };
 
 /// Least squares with equality constraints, solved with their multipliers.
@@ -256,9 +274,9 @@ struct FitAims {
   bool noisy;
 };
 
-/// The spline with as few spans as follow the samples.
-Spline fitted_spline(const std::vector<Sample>& samples, const std::vector<Sample>& held, bool periodic,
-                     const FitAims& aims) {
+/// The spline with as few spans as follow the samples, held at points that are not dense.
+Spline spline_through(const std::vector<Sample>& samples, const std::vector<Sample>& held, bool periodic,
+                      const FitAims& aims) {
   Spline best;
   const int most_spans = static_cast<int>(samples.size()) / (aims.noisy ? 4 : 1);
   double closest_holds = 1;
@@ -282,6 +300,35 @@ Spline fitted_spline(const std::vector<Sample>& samples, const std::vector<Sampl
     if (holds && (follows || (aims.noisy ? spans > most_spans : spans >= most_spans))) break;
   }
   return best;
+}
+
+/// The spline with as few spans as follow the samples. Where held points are dense, they are samples like
+/// the others, and what the spline then misses them by is added to it.
+/// @param held in order of t; ends of open strokes among them.
+Spline fitted_spline(const std::vector<Sample>& samples, const std::vector<Sample>& held, bool periodic,
+                     const FitAims& aims) {
+  const bool dense = [&] {
+    for (size_t i = 0; i + 3 < held.size(); ++i)
+      if (held[i + 3].t - held[i].t < kDenseFour) return true;
+    return false;
+  }();
+  if (!dense) return spline_through(samples, held, periodic, aims);
+  std::vector<Sample> all = samples, ends;
+  for (size_t i = 0; i < held.size(); ++i) {
+    if (!periodic && (i == 0 || i + 1 == held.size())) {
+      ends.push_back(held[i]);
+      continue;
+    }
+    all.push_back(held[i]);
+    const double before = i > 0 ? held[i - 1].t : held.back().t - 1;
+    const double after = i + 1 < held.size() ? held[i + 1].t : held.front().t + 1;
+    all.back().weight = (after - before) / 2;
+  }
+  Spline spline = spline_through(all, ends, periodic, aims);
+  std::vector<Sample> offsets = held;
+  for (Sample& offset : offsets) offset.point -= spline.at(offset.t);
+  spline.offsets = std::move(offsets);
+  return spline;
 }
 
 Points sampled(const Spline& spline, double t0, double t1, int n) {
