@@ -45,7 +45,9 @@ Edit random_edit(const Document& document, Random& random) {
     return static_cast<int>(random.below(static_cast<std::uint64_t>(document.mesh().n_curves())));
   };
   if (kind < 0.35) {
-    const auto cell = [&](int most) { return static_cast<int>(random.below(static_cast<std::uint64_t>(most))); };
+    const auto cell = [&](int most) {
+      return static_cast<int>(random.below(static_cast<std::uint64_t>(most)));
+    };
     const int x = cell(kCells - 1);
     const double y = (cell(kCells) + random.uniform(0.3, 0.7)) / kCells;
     const Vector3d from(static_cast<double>(x) / kCells, y, 0), to((x + 1.0 + cell(2)) / kCells, y, 0);
@@ -136,9 +138,11 @@ TEST(DocumentSurface, GoesOnAfterWhatFailed) {
   Document document;
   EXPECT_THROW(document.surface(), InvalidInput);  // no faces yet
   document = sheet();
-  EXPECT_THROW(document.surface(kCoarse, Progress([](std::string_view, double) { return false; })), Cancelled);
-  EXPECT_LT(difference(document.surface(kCoarse), diffusion_surface(document.mesh(), kCoarse), document.mesh()),
-            5e-4);
+  EXPECT_THROW(document.surface(kCoarse, Progress([](std::string_view, double) { return false; })),
+               Cancelled);
+  EXPECT_LT(
+      difference(document.surface(kCoarse), diffusion_surface(document.mesh(), kCoarse), document.mesh()),
+      5e-4);
 }
 
 }  // namespace
