@@ -238,6 +238,13 @@ FilledModel fill_model(const PolylineMesh& mesh, const DiffusionSurface& surface
                        const SurfaceOptions& options, const Progress& progress) {
   const ModelNetwork model = network_of_model(mesh, surface);
   SurfaceResult filled = surface_network(model.network, model.cycles, options, progress);
+  // Between far sides of a face whose normals lean outwards, the propagated normals may swing over to the
+  // inside. Harmonic ones keep within those of the border.
+  if (SurfaceOptions harmonic = options; filled.folded_triangles > 0 && options.base_order > 1) {
+    harmonic.base_order = 1;
+    SurfaceResult other = surface_network(model.network, model.cycles, harmonic, progress);
+    if (other.folded_triangles < filled.folded_triangles) filled = std::move(other);
+  }
   FilledModel result;
   result.times = std::move(filled.times);
   result.warnings = std::move(filled.warnings);
