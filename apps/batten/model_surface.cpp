@@ -71,22 +71,45 @@ void tell_soundness(const std::vector<int>& turned, const std::vector<int>& face
                                    "sharp along which the surface is to turn"));
 }
 
-/// The limit surface of a cage at a level. @param face_of_triangle of the model, from those of the cage's
-/// quads.
-TriangleMesh limit_mesh(const ControlCage& cage, int levels, const std::vector<int>& face_of_quad,
-                        std::vector<int>& face_of_triangle, ModelSurface& result, const Progress& progress) {
+/// Triangles against the normals of the surface. Those of vertices on creases, means of both sides, do not
+/// count: where the sides meet at a sharp angle, sound triangles lie against them.
+std::vector<int> turned_triangles(const TriangleMesh& mesh, const std::vector<char>& on_crease) {
+  Points normals = mesh.normals;
+  for (size_t v = 0; v < on_crease.size(); ++v)
+    if (on_crease[v]) normals.row(static_cast<Eigen::Index>(v)).setZero();
+  std::vector<int> turned = folded_triangles(mesh.positions, mesh.triangles, normals);
+  const auto all_on_crease = [&](int t) {
+    const auto on = [&](int k) { return on_crease[static_cast<size_t>(mesh.triangles(t, k))] != 0; };
+    return on(0) && on(1) && on(2);
+  };
+  turned.erase(std::remove_if(turned.begin(), turned.end(), all_on_crease), turned.end());
+  return turned;
+}
+
+struct LimitMesh {
+  TriangleMesh mesh;
+  std::vector<int> face_of_triangle;  ///< of the model
+  std::vector<char> on_crease;        ///< per vertex
+};
+
+/// The limit surface of a cage at a level. @param face_of_quad face of the model per quad of the cage.
+LimitMesh limit_mesh(const ControlCage& cage, int levels, const std::vector<int>& face_of_quad,
+                     ModelSurface& result, const Progress& progress) {
   const ScopedStage stage(result.times, "subdivision");
   SubdivisionOptions subdivision;
   subdivision.levels = levels;
   subdivision.limit = true;
   const SubdividedSurface fine = subdivide(cage, subdivision, progress);
-  TriangleMesh mesh;
-  mesh.positions = fine.limit_positions;
-  mesh.normals = fine.limit_normals;
-  mesh.triangles = cut_quads(fine.cage.mesh);
+  LimitMesh limit;
+  limit.mesh.positions = fine.limit_positions;
+  limit.mesh.normals = fine.limit_normals;
+  limit.mesh.triangles = cut_quads(fine.cage.mesh);
   for (const int parent : fine.face_parent)
-    face_of_triangle.insert(face_of_triangle.end(), 2, face_of_quad[static_cast<size_t>(parent)]);
-  return mesh;
+    limit.face_of_triangle.insert(limit.face_of_triangle.end(), 2, face_of_quad[static_cast<size_t>(parent)]);
+  limit.on_crease.assign(static_cast<size_t>(fine.limit_positions.rows()), 0);
+  for (const SharpEdge& edge : fine.cage.sharp_edges)
+    for (const int v : {edge.from, edge.to}) limit.on_crease[static_cast<size_t>(v)] = 1;
+  return limit;
 }
 
 Json figures_of(const CurveContinuity& c, double diameter) {
@@ -174,11 +197,9 @@ ModelSurface make_model_surface(const PolylineMesh& model, const ModelSurfaceOpt
     result.mesh = std::move(filled.mesh);
     tell_soundness(filled.turned, filled.face_of_triangle, result);
   } else if (with_mesh) {
-    std::vector<int> face_of_triangle;
-    result.mesh =
-        limit_mesh(surface.cage, options.levels, surface.face_of_quad, face_of_triangle, result, progress);
-    tell_soundness(folded_triangles(result.mesh.positions, result.mesh.triangles, result.mesh.normals),
-                   face_of_triangle, result);
+    LimitMesh limit = limit_mesh(surface.cage, options.levels, surface.face_of_quad, result, progress);
+    result.mesh = std::move(limit.mesh);
+    tell_soundness(turned_triangles(result.mesh, limit.on_crease), limit.face_of_triangle, result);
   }
   result.cage = std::move(surface.cage);
   return result;
