@@ -91,7 +91,7 @@ void clamp_weights(SparseMatrix& K) {
 
 /// The stiffness matrix of ∇·(g ∇·): every edge weight of K times the mean of g at its ends.
 SparseMatrix weighted_stiffness(const SparseMatrix& K, const Eigen::VectorXd& g) {
-  SparseMatrix weighted = K;
+  SparseMatrix weighted = K;  // NOLINT(performance-unnecessary-copy-initialization): iterators write into it
   for (Eigen::Index i = 0; i < K.cols(); ++i) {
     double sum = 0;
     double* diagonal = nullptr;
@@ -216,8 +216,8 @@ struct Deformer::Implementation {
     if (bending_factor > 0) {
       SquaredStiffness squared =
           squared_stiffness(K, bending_factor * inverse_mass, index_of_unknown, index_of_known);
-      lower = std::move(squared.lower);
-      if (c > 0) known = std::move(squared.known);
+      lower.swap(squared.lower);
+      if (c > 0) known.swap(squared.known);
     }
     if (T.nonZeros() > 0) {
       lower += part_of(T, index_of_unknown, index_of_unknown, u, u, true);

@@ -229,7 +229,7 @@ class Alignment {
     }
     // Directions in which the shape slides upon itself (a sphere's rotations) take no step.
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(normal.topLeftCorner(unknowns, unknowns));
-    const Eigen::VectorXd values = solver.eigenvalues();
+    const Eigen::VectorXd& values = solver.eigenvalues();
     Eigen::VectorXd coefficients = solver.eigenvectors().transpose() * right.head(unknowns);
     for (int k = 0; k < unknowns; ++k)
       coefficients[k] = values[k] > 1e-10 * values[unknowns - 1] ? coefficients[k] / values[k] : 0.0;

@@ -197,6 +197,7 @@ class Estimate {
       if (around.empty()) continue;
       const Vector3d x = point(graph_.topology.nodes[n]);
       std::vector<Vector3d> tangents;
+      tangents.reserve(around.size());
       for (const int d : around) tangents.push_back(detail::link_direction(network_, graph_, d, size_));
       // What the sectors turn about, and what the patches look like.
       Vector3d turn = Vector3d::Zero(), mean = Vector3d::Zero(), across = Vector3d::Zero();

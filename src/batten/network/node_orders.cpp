@@ -180,10 +180,12 @@ class OrderSearch {
       for (const Vector3d& axis : likely_axes(node)) {
         const Vector3d u = axis.unitOrthogonal(), w = axis.cross(u);
         std::vector<std::pair<double, int>> around;
+        around.reserve(at(k));
         for (int i = 0; i < k; ++i)
           around.emplace_back(std::atan2(node.tangents[at(i)].dot(w), node.tangents[at(i)].dot(u)), i);
         std::sort(around.begin(), around.end());
         std::vector<int> sequence;
+        sequence.reserve(around.size());
         for (const auto& [angle, i] : around) sequence.push_back(i);
         add(sequence);
         for (int i = 0; i < k; ++i) {  // neighbours may be told apart wrongly
@@ -242,6 +244,7 @@ class OrderSearch {
     }
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(moments);
     std::vector<Vector3d> axes;
+    axes.reserve(4);
     for (int i = 0; i < 3; ++i) axes.emplace_back(solver.eigenvectors().col(i));
     if (sum.norm() > 1e-6) axes.push_back(sum.normalized());
     for (size_t i = 0; i < node.tangents.size(); ++i)

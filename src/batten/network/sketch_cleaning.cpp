@@ -21,7 +21,6 @@ namespace batten {
 namespace {
 
 using detail::CurveIndex;
-using detail::CurvePlace;
 using Vector = Eigen::Vector3d;
 
 /// Strokes drawn over each other run within this angle.

@@ -51,11 +51,11 @@ std::optional<std::string> SketchNetworkOptions::problem() const {
   if (weld_tolerance != 0) {
     SketchCleaningOptions cleaning;
     cleaning.weld_tolerance = weld_tolerance;
-    if (const auto problem = cleaning.problem()) return problem;
+    if (auto problem = cleaning.problem()) return problem;
   }
   SketchCleaningOptions cleaning;
   cleaning.reach = reach;
-  if (const auto problem = cleaning.problem()) return problem;
+  if (auto problem = cleaning.problem()) return problem;
   if (!(step >= 0) || !(step < 0.5)) return concat("step must be from 0 to 0.5 of the diameter, got ", step);
   return std::nullopt;
 }

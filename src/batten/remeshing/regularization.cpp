@@ -44,7 +44,7 @@ Eigen::VectorXd scaled_to_one(const Eigen::VectorXd& curvature) {
 /// contiguous.
 template <typename Weight>
 SparseMatrix mean_matrix(const SparseMatrix& stiffness, const Weight& weight) {
-  SparseMatrix L = stiffness;
+  SparseMatrix L = stiffness;  // NOLINT(performance-unnecessary-copy-initialization): iterators write into it
   parallel_for(L.cols(), 2048, [&](Eigen::Index begin, Eigen::Index end) {
     for (Eigen::Index i = begin; i < end; ++i) {
       double sum = 0;

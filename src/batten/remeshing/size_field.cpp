@@ -146,7 +146,7 @@ void limit_gradation(const HalfedgeMesh& mesh, double gradation, Eigen::VectorXd
 Eigen::VectorXd adaptive_sizes(const HalfedgeMesh& mesh, const Eigen::VectorXd& curvature, double mean_length,
                                double adaptivity, double gradation) {
   const Eigen::Index n = curvature.size();
-  const Eigen::VectorXd even = Eigen::VectorXd::Constant(n, mean_length);
+  Eigen::VectorXd even = Eigen::VectorXd::Constant(n, mean_length);
   const Eigen::VectorXd areas = vertex_areas(mesh);
   const double wanted = count_for_sizes(areas, even);
   if (adaptivity == 0 || n == 0 || !(wanted > 0)) return even;

@@ -44,7 +44,7 @@ Colour along(const std::array<std::uint32_t, n>& stops, double t) {
 std::uint8_t srgb_byte(float linear) {
   const float x = std::clamp(linear, 0.0F, 1.0F);
   const float s = x <= 0.0031308F ? 12.92F * x : 1.055F * std::pow(x, 1 / 2.4F) - 0.055F;
-  return static_cast<std::uint8_t>(255 * s + 0.5F);
+  return static_cast<std::uint8_t>(std::lround(255 * s));
 }
 
 float linear_value(std::uint8_t srgb) {

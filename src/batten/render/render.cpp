@@ -575,7 +575,6 @@ Image render(const Subject& subject, const RenderOptions& options, const Progres
       case Shading::Shaded:
         return lighting.matt(n, viewer, inside ? kInside : kClay);
       case Shading::Porcupine:
-        return lighting.matt(n, viewer, kPale);
       case Shading::GaussMap:
         return lighting.matt(n, viewer, kPale);
       case Shading::Wireframe: {

@@ -101,9 +101,10 @@ Coverage coverage_of(const std::vector<Vector3d>& unit_readings) {
       coverage.share += 1.0 / static_cast<double>(directions.size());
       continue;
     }
-    for (int axis = 0; axis < 3; ++axis) {
-      if (d[axis] > 0.7) ++missing[static_cast<size_t>(2 * axis)];
-      if (d[axis] < -0.7) ++missing[static_cast<size_t>(2 * axis + 1)];
+    for (size_t axis = 0; axis < 3; ++axis) {
+      const double along = d[static_cast<Eigen::Index>(axis)];
+      if (along > 0.7) ++missing[2 * axis];
+      if (along < -0.7) ++missing[2 * axis + 1];
     }
   }
   for (size_t k = 0; k < missing.size(); ++k)
@@ -344,10 +345,11 @@ double align_magnetometer(const Points& accelerometer, const Points& magnetomete
   Matrix3d R = Matrix3d::Identity();
   double deviation = 1;
   for (int iteration = 0; iteration < 30; ++iteration) {
-    std::vector<double> angles;
+    std::vector<double> angles, misfits;
+    angles.reserve(pairs.size());
+    misfits.reserve(pairs.size());
     for (const auto& [a, m] : pairs) angles.push_back(a.dot(R * m));
     const double middle = median(angles);
-    std::vector<double> misfits;
     for (const double angle : angles) misfits.push_back(std::abs(angle - middle));
     deviation = std::max(kSmallestScale, kMadToDeviation * median(std::move(misfits)));
     Eigen::Matrix4d normal_matrix = Eigen::Matrix4d::Zero();

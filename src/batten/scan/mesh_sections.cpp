@@ -461,6 +461,7 @@ Knots place_knots(const Polyline& line, const std::vector<Station>& stations,
   };
   // Fixed places: crossings, and the ends of open lines.
   std::vector<std::pair<double, int>> fixed;
+  fixed.reserve(stations.size() + 2);
   for (const Station& station : stations)
     fixed.emplace_back(
         starts[station.piece] + station.fraction * (starts[station.piece + 1] - starts[station.piece]),

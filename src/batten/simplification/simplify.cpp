@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include <Eigen/Geometry>
@@ -29,7 +30,6 @@ using simplification::SurfaceSample;
 
 namespace {
 
-constexpr int kNone = HalfedgeMesh::kNone;
 /// Samples per face of the result, and at least in all: enough to see every face bend, few enough for time.
 constexpr int kSamplesPerFace = 16;
 constexpr int kLeastSamples = 60000;
@@ -95,8 +95,9 @@ class Simplification {
     const bool in_levels = options_.method == SimplifyMethod::PLaplacian || options_.keep_levels;
     const std::vector<Eigen::Index> targets =
         faces_per_level(mesh_.n_faces(), target, in_levels ? options_.levels : 1);
-    std::vector<int> finer;  // numbers of the vertices of the level before
-    for (int v = 0; v < input_.n_vertices(); ++v) finer.push_back(v);
+    std::vector<int> finer(
+        static_cast<std::size_t>(input_.n_vertices()));  // numbers of the vertices of the level before
+    std::iota(finer.begin(), finer.end(), 0);
     for (std::size_t level = 0; level < targets.size(); ++level) {
       const bool last = level + 1 == targets.size();
       collapse_to(targets[level]);
