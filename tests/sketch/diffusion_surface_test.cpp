@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <iostream>
+#include <map>
 
 #include <gtest/gtest.h>
 
@@ -313,6 +314,34 @@ TEST(NetworkOfModel, NormalsAreFiniteWhereTheSheetTurnsBack) {
       network_of_model(mesh, diffusion_surface(mesh, {.splits = 2, .rounds = 0})).network;
   EXPECT_TRUE(network.normals.allFinite());
   EXPECT_LT((network.normals.rowwise().norm().array() - 1).abs().maxCoeff(), 1e-9);
+}
+
+TEST(NetworkOfModel, SharpEdgesHaveANormalForEachSide) {
+  // All edges sharp: the six squares are filled apart, each exactly flat, and welded into a closed cube.
+  PolylineMesh mesh = cube();
+  for (int c = 0; c < mesh.n_curves(); ++c)
+    if (!mesh.edges_of_curve(c).empty())
+      edit(mesh, [&](PolylineMesh& m) { return set_curve_sharpness(m, c, 1); });
+  const DiffusionSurface surface = diffusion_surface(mesh);
+  const ModelNetwork model = network_of_model(mesh, surface);
+  EXPECT_EQ(model.network.curves.size(), 24u);
+  for (Eigen::Index v = 0; v < model.network.normals.rows(); ++v)
+    EXPECT_GT(model.network.normals.row(v).cwiseAbs().maxCoeff(), 1 - 1e-6) << v;
+  const FilledModel filled = fill_model(mesh, surface);
+  EXPECT_TRUE(filled.turned.empty());
+  for (Eigen::Index v = 0; v < filled.mesh.n_vertices(); ++v) {
+    const Eigen::RowVector3d p = filled.mesh.positions.row(v);
+    EXPECT_LT(p.cwiseMin((1 - p.array()).matrix()).cwiseAbs().minCoeff(), 1e-6) << v;
+  }
+  // Closed, of genus 0: every edge has two triangles, V − E + F = 2.
+  EXPECT_EQ(2 * filled.mesh.n_vertices(), filled.mesh.n_triangles() + 4);
+  std::map<std::pair<int, int>, int> walks;
+  for (Eigen::Index t = 0; t < filled.mesh.n_triangles(); ++t)
+    for (int k = 0; k < 3; ++k) ++walks[{filled.mesh.triangles(t, k), filled.mesh.triangles(t, (k + 1) % 3)}];
+  for (const auto& [edge, count] : walks) {
+    EXPECT_EQ(count, 1);
+    EXPECT_EQ(walks.count({edge.second, edge.first}), 1u);
+  }
 }
 
 TEST(NetworkOfModel, IsFilledIntoTheSameSphere) {
