@@ -3,15 +3,17 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include <Eigen/Eigenvalues>
 
 #include "batten/core/text.hpp"
 #include "batten/core/units.hpp"
+#include "batten/mesh/quality.hpp"
+#include "batten/mesh/self_intersections.hpp"
 #include "batten/sketch/diffusion_surface.hpp"
 #include "batten/sketch/model_network.hpp"
 #include "batten/subdivision/subdivide.hpp"
-#include "batten/surfacing/surface.hpp"
 
 namespace batten::cli {
 
@@ -40,18 +42,74 @@ Triangles cut_quads(const PolygonMesh& mesh) {
   return triangles;
 }
 
-/// The limit surface of a cage at a level.
-TriangleMesh limit_mesh(const ControlCage& cage, int levels, ModelSurface& result, const Progress& progress) {
+/// Pairs of crossing triangles that are counted; more are told as "at least".
+constexpr size_t kMostCrossings = 100000;
+
+/// Counts what is broken in a finished surface and names the faces in which it is.
+/// @param turned triangles against their normals. @param face_of_triangle of the model.
+void tell_soundness(const std::vector<int>& turned, const std::vector<int>& face_of_triangle,
+                    ModelSurface& result) {
+  const ScopedStage stage(result.times, "check");
+  const auto crossing = self_intersections(result.mesh.positions, result.mesh.triangles, kMostCrossings);
+  result.figures["crossing_pairs"] = crossing.size();
+  result.figures["turned_triangles"] = turned.size();
+  std::set<int> faces;
+  const auto note = [&](int triangle) { faces.insert(face_of_triangle[static_cast<size_t>(triangle)]); };
+  for (const auto& [one, other] : crossing) note(one), note(other);
+  for (const int triangle : turned) note(triangle);
+  Json& broken = result.figures["broken_faces"] = Json::array();
+  std::string names;
+  for (const int face : faces) {
+    broken.push_back(concat("f", face));
+    names += concat(names.empty() ? "f" : ", f", face);
+  }
+  if (faces.empty()) return;
+  result.warnings.push_back(concat("the finished surface is not sound in ", names, ": ",
+                                   crossing.size() == kMostCrossings ? "at least " : "", crossing.size(),
+                                   " pairs of triangles cross and ", turned.size(),
+                                   " are turned over; divide these faces by another curve, or make curves "
+                                   "sharp along which the surface is to turn"));
+}
+
+/// Triangles against the normals of the surface. Those of vertices on creases, means of both sides, do not
+/// count: where the sides meet at a sharp angle, sound triangles lie against them.
+std::vector<int> turned_triangles(const TriangleMesh& mesh, const std::vector<char>& on_crease) {
+  Points normals = mesh.normals;
+  for (size_t v = 0; v < on_crease.size(); ++v)
+    if (on_crease[v]) normals.row(static_cast<Eigen::Index>(v)).setZero();
+  std::vector<int> turned = folded_triangles(mesh.positions, mesh.triangles, normals);
+  const auto all_on_crease = [&](int t) {
+    const auto on = [&](int k) { return on_crease[static_cast<size_t>(mesh.triangles(t, k))] != 0; };
+    return on(0) && on(1) && on(2);
+  };
+  turned.erase(std::remove_if(turned.begin(), turned.end(), all_on_crease), turned.end());
+  return turned;
+}
+
+struct LimitMesh {
+  TriangleMesh mesh;
+  std::vector<int> face_of_triangle;  ///< of the model
+  std::vector<char> on_crease;        ///< per vertex
+};
+
+/// The limit surface of a cage at a level. @param face_of_quad face of the model per quad of the cage.
+LimitMesh limit_mesh(const ControlCage& cage, int levels, const std::vector<int>& face_of_quad,
+                     ModelSurface& result, const Progress& progress) {
   const ScopedStage stage(result.times, "subdivision");
   SubdivisionOptions subdivision;
   subdivision.levels = levels;
   subdivision.limit = true;
   const SubdividedSurface fine = subdivide(cage, subdivision, progress);
-  TriangleMesh mesh;
-  mesh.positions = fine.limit_positions;
-  mesh.normals = fine.limit_normals;
-  mesh.triangles = cut_quads(fine.cage.mesh);
-  return mesh;
+  LimitMesh limit;
+  limit.mesh.positions = fine.limit_positions;
+  limit.mesh.normals = fine.limit_normals;
+  limit.mesh.triangles = cut_quads(fine.cage.mesh);
+  for (const int parent : fine.face_parent)
+    limit.face_of_triangle.insert(limit.face_of_triangle.end(), 2, face_of_quad[static_cast<size_t>(parent)]);
+  limit.on_crease.assign(static_cast<size_t>(fine.limit_positions.rows()), 0);
+  for (const SharpEdge& edge : fine.cage.sharp_edges)
+    for (const int v : {edge.from, edge.to}) limit.on_crease[static_cast<size_t>(v)] = 1;
+  return limit;
 }
 
 Json figures_of(const CurveContinuity& c, double diameter) {
@@ -108,6 +166,10 @@ ModelSurface make_model_surface(const PolylineMesh& model, const ModelSurfaceOpt
     result.mesh.positions = std::move(surface.fine.positions);
     result.mesh.normals = std::move(surface.normals);
     result.cage = std::move(surface.cage);
+    std::vector<int> face_of_triangle;
+    for (const int face : surface.face_of_fine) face_of_triangle.insert(face_of_triangle.end(), 2, face);
+    tell_soundness(folded_triangles(result.mesh.positions, result.mesh.triangles, result.mesh.normals),
+                   face_of_triangle, result);
     return result;
   }
   DiffusionOptions diffusion;
@@ -129,14 +191,15 @@ ModelSurface make_model_surface(const PolylineMesh& model, const ModelSurfaceOpt
                                      "; they keep their first shape and meet their neighbours in a crease; ",
                                      "divide them by another curve for a smooth surface"));
   if (with_mesh && options.method == "curvature") {
-    SurfaceResult filled = surface_network(network_of_model(model, surface), {}, progress);
+    FilledModel filled = fill_model(model, surface, {}, progress);
     result.times.add(filled.times);
     result.warnings.insert(result.warnings.end(), filled.warnings.begin(), filled.warnings.end());
-    result.figures["cycles"] = filled.n_cycles;
-    result.figures["folded_triangles"] = filled.folded_triangles;
     result.mesh = std::move(filled.mesh);
+    tell_soundness(filled.turned, filled.face_of_triangle, result);
   } else if (with_mesh) {
-    result.mesh = limit_mesh(surface.cage, options.levels, result, progress);
+    LimitMesh limit = limit_mesh(surface.cage, options.levels, surface.face_of_quad, result, progress);
+    result.mesh = std::move(limit.mesh);
+    tell_soundness(turned_triangles(result.mesh, limit.on_crease), limit.face_of_triangle, result);
   }
   result.cage = std::move(surface.cage);
   return result;

@@ -151,6 +151,48 @@ TEST(SketchCommand, MethodV1MakesSurfacesOfAllExampleSessions) {
     }
 }
 
+// The faces of the model are the patches, sharp edges have a normal for each side: closed surfaces of the
+// right genus. Half tubes on long and thin quads (bottle) keep turned triangles, all of them in the handle.
+TEST(SketchCommand, MethodCurvatureMakesSurfacesOfAllExampleSessions) {
+  const std::string folder = std::string(BATTEN_EXAMPLES) + "/sessions/";
+  for (const auto& [name, genus] : {std::pair<std::string, int>{"sphere", 0},
+                                    {"cube", 0},
+                                    {"cross", 0},
+                                    {"bottle", 1},
+                                    {"charger", 0},
+                                    {"telephone", 0}}) {
+    const std::string out = name + "_curvature.ply";
+    const Json json = run_json("sketch " + folder + name + ".jsonl -o " + name +
+                               "_curvature.batten --method curvature --surface " + out);
+    EXPECT_EQ(json["surface"]["crossing_pairs"], 0) << name;
+    if (name == "bottle")
+      EXPECT_EQ(json["surface"]["broken_faces"], Json::array({"f23", "f24"}));
+    else
+      EXPECT_EQ(json["surface"]["turned_triangles"], 0) << name;
+    const Json surface = run_json("info " + out);
+    EXPECT_EQ(surface["genus"], genus) << name;
+    EXPECT_EQ(surface["boundary_loops"], 0) << name;
+    EXPECT_EQ(surface["components"], 1) << name;
+    EXPECT_EQ(surface["manifold"], true) << name;
+    EXPECT_EQ(surface["self_intersections"], 0) << name;
+  }
+}
+
+// `info` counts crossing pairs from the file alone; every broken face is named in a warning.
+TEST(SketchCommand, FinishedSurfacesThatCrossThemselvesAreToldWithTheirFaces) {
+  const std::string session = std::string(BATTEN_EXAMPLES) + "/sessions/cross.jsonl";
+  const Json json = run_json("sketch " + session + " -o told.batten --surface told.ply");
+  const Json &surface = json["surface"], info = run_json("info told.ply");
+  EXPECT_EQ(surface["crossing_pairs"], info["self_intersections"]);
+  EXPECT_LE(surface["turned_triangles"].get<int>(), info["folded_faces"].get<int>());
+  const bool is_broken =
+      surface["crossing_pairs"].get<int>() > 0 || surface["turned_triangles"].get<int>() > 0;
+  EXPECT_EQ(surface["broken_faces"].empty(), !is_broken);
+  const std::string warnings = json["warnings"].dump();
+  for (const Json& face : surface["broken_faces"])
+    EXPECT_NE(warnings.find(face.get<std::string>()), std::string::npos) << face;
+}
+
 TEST(SketchCommand, OptionsOfMethodsThatDoNotGoTogetherAreRefusedInWords) {
   write_file("options.jsonl", std::string(kHeader) + kSquare);
   const auto refusal = [](const std::string& options) {

@@ -112,8 +112,10 @@ int calm_crowded_normals(const CurveNetwork& network, ScaledNetwork& s) {
   return changed;
 }
 
-/// Two vertices at one place make an edge of no length somewhere; say which before the mesher stumbles.
-void check_coincident(const CurveNetwork& network, const ScaledNetwork& s) {
+/// Two vertices at one place make an edge of no length somewhere; say which before the mesher stumbles. Where
+/// the cycles are given, that is so only of two in one cycle: others make a crease.
+void check_coincident(const CurveNetwork& network, const ScaledNetwork& s,
+                      const std::vector<NetworkCycle>& given) {
   struct Place {
     std::array<std::int64_t, 3> cell;
     int vertex, curve;
@@ -130,12 +132,23 @@ void check_coincident(const CurveNetwork& network, const ScaledNetwork& s) {
       places.push_back(place);
     }
   std::sort(places.begin(), places.end());
+  std::vector<std::vector<std::size_t>> cycles_of(given.empty() ? 0 : seen.size());
+  for (std::size_t c = 0; c < given.size(); ++c)
+    for (const NetworkCycle::Loop& loop : given[c].loops)
+      for (const int v : loop.vertices)
+        if (cycles_of[v].empty() || cycles_of[v].back() != c) cycles_of[v].push_back(c);
+  const auto share_a_cycle = [&](int a, int b) {
+    for (const std::size_t c : cycles_of[a])
+      if (std::binary_search(cycles_of[b].begin(), cycles_of[b].end(), c)) return true;
+    return false;
+  };
   for (std::size_t i = 1; i < places.size(); ++i)
-    if (places[i].cell == places[i - 1].cell)
-      throw InvalidInput(
-          concat("the vertices ", places[i - 1].vertex, " of ", curve_name(network, places[i - 1].curve),
-                 " and ", places[i].vertex, " of ", curve_name(network, places[i].curve),
-                 " lie at the same place; merge them into one vertex so that the curves are joined"));
+    for (std::size_t j = i; j-- > 0 && places[j].cell == places[i].cell;)
+      if (given.empty() || share_a_cycle(places[j].vertex, places[i].vertex))
+        throw InvalidInput(
+            concat("the vertices ", places[j].vertex, " of ", curve_name(network, places[j].curve), " and ",
+                   places[i].vertex, " of ", curve_name(network, places[i].curve),
+                   " lie at the same place; merge them into one vertex so that the curves are joined"));
 }
 
 }  // namespace
@@ -171,7 +184,7 @@ struct SurfaceSolver::Implementation {
     {
       ScopedStage stage(result.times, "cycles");
       scaled_network = scaled(network);
-      check_coincident(network, scaled_network);
+      check_coincident(network, scaled_network, cycles);
       if (cycles.empty()) {
         CycleReport report = find_cycles(network);
         cycles = std::move(report.cycles);

@@ -67,7 +67,9 @@ SurfaceResult surface_network(const CurveNetwork& network, const SurfaceOptions&
                               const Progress& progress = {});
 
 /// The same with patches that are known, as estimate_cycles() gives them: normals only shape the surface.
-/// A patch that cannot be filled is left open and told in the warnings, as long as another can.
+/// A patch that cannot be filled is left open and told in the warnings, as long as another can. Vertices of
+/// different cycles may lie at one place: the patches then meet in a crease, each with its own normals, and
+/// are not joined there.
 /// @throws InvalidInput also when a cycle names a vertex that the network does not have.
 SurfaceResult surface_network(const CurveNetwork& network, const std::vector<NetworkCycle>& cycles,
                               const SurfaceOptions& options = {}, const Progress& progress = {});
