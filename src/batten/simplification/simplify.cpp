@@ -30,9 +30,16 @@ using simplification::SurfaceSample;
 
 namespace {
 
-/// Samples per face of the result, and at least in all: enough to see every face bend, few enough for time.
-constexpr int kSamplesPerFace = 16;
-constexpr int kLeastSamples = 60000;
+/// Samples per face of the result, and in all where the input has that many faces for it: enough to see every
+/// face bend, few enough for time.
+constexpr double kSamplesPerFace = 16;
+constexpr double kEnoughSamples = 60000;
+
+/// @param faces of the input, @param left of the result.
+int sample_count(Eigen::Index faces, Eigen::Index left) {
+  return static_cast<int>(
+      std::max(kSamplesPerFace * double(left), std::min(kEnoughSamples, kSamplesPerFace * double(faces))));
+}
 
 /// The vertex that stands for each vertex of the input now; paths are halved on the way.
 class Representatives {
@@ -163,9 +170,8 @@ class Simplification {
   }
 
   void fit() {
-    const double wanted = std::max<double>(kLeastSamples, kSamplesPerFace * double(mesh_.n_faces()));
-    std::vector<SurfaceSample> samples =
-        simplification::sample_surface(input_.positions, input_.triangles, static_cast<int>(wanted));
+    std::vector<SurfaceSample> samples = simplification::sample_surface(
+        input_.positions, input_.triangles, sample_count(input_.n_triangles(), mesh_.n_faces()));
     std::vector<int> source(samples.size());
     for (std::size_t s = 0; s < samples.size(); ++s) source[s] = samples[s].face;
     FitOptions options;
@@ -251,7 +257,8 @@ class Simplification {
 class DistanceGauge {
  public:
   explicit DistanceGauge(const TriangleMesh& input) : tree_(input.positions, input.triangles) {
-    const auto samples = simplification::sample_surface(input.positions, input.triangles, kLeastSamples);
+    const auto samples = simplification::sample_surface(input.positions, input.triangles,
+                                                        sample_count(input.n_triangles(), 0));
     std::vector<char> used(input.n_vertices(), 0);
     for (Eigen::Index i = 0; i < input.triangles.size(); ++i) used[input.triangles.data()[i]] = 1;
     const auto n_used = std::count(used.begin(), used.end(), 1);
