@@ -58,7 +58,7 @@ TEST(CommandLines, RawReadingsAreCalibratedAndBecomeANetwork) {
 }
 
 TEST(CommandLines, NetworkTakesEveryOption) {
-  run_json("simulate sphere -o scan.rawnet --step 2% --orientation-noise 1deg --seed 2 --json");
+  run_json("simulate sphere -o scan.rawnet --step 4% --orientation-noise 1deg --seed 2 --json");
   for (const char* options :
        {"-o net.net", "-o net.obj", "-o net.json --step 5%", "-o net.json --step 0.2",
         "-o net.json --step none", "-o net.json --step 5% --weights auto",
@@ -113,7 +113,7 @@ TEST(CommandLines, SurfaceTakesEveryOption) {
 TEST(CommandLines, ReconstructGivesTheSphereBack) {
   run_json(
       "simulate sphere -o noisy.rawnet --truth sphere.ply --truth-edge 2% --seed 41 --orientation-noise 2deg "
-      "--drift 1deg --odometer-error 0.3% --step 0.8% --json");
+      "--drift 1deg --odometer-error 0.3% --step 1.6% --json");
   const Json json = run_json(
       "reconstruct noisy.rawnet -o sphere_surface.ply --network sphere_net.json "
       "--report sphere.html --step 4% --json",
