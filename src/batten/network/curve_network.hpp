@@ -66,6 +66,7 @@ struct NetworkCycle {
     std::vector<int> segments;
   };
   std::vector<Loop> loops;
+  std::string name;  ///< what messages call its patch; empty: by its number and its first vertex
 };
 
 /// What find_cycles() found, with everything worth telling in words.

@@ -226,6 +226,7 @@ ModelNetwork network_of_model(const PolylineMesh& mesh, const DiffusionSurface& 
     if (!walks.count({face, loop[0], loop[1]})) std::reverse(loop.begin(), loop.end());
     for (int& v : loop) v = vertex(face, v);
     NetworkCycle cycle;
+    cycle.name = concat("the face f", face);
     cycle.loops.emplace_back();
     cycle.loops.back().vertices = std::move(loop);
     result.cycles.push_back(std::move(cycle));
@@ -248,14 +249,6 @@ FilledModel fill_model(const PolylineMesh& mesh, const DiffusionSurface& surface
   FilledModel result;
   result.times = std::move(filled.times);
   result.warnings = std::move(filled.warnings);
-  // Warnings name patches by numbers that nobody has seen.
-  for (size_t p = 0; p < model.cycles.size(); ++p) {
-    const std::string own =
-        concat("patch ", p, " (at vertex ", model.cycles[p].loops.front().vertices.front(), ")");
-    for (std::string& warning : result.warnings)
-      for (size_t found; (found = warning.find(own)) != std::string::npos;)
-        warning.replace(found, own.size(), concat("the face f", model.face_of_cycle[p]));
-  }
   result.turned = folded_triangles(filled.mesh.positions, filled.mesh.triangles, filled.mesh.normals);
 
   const Index n = filled.mesh.positions.rows();

@@ -155,4 +155,10 @@ Eigen::VectorXd curvature_along_edges(const SparseMatrix& K, const Points& posit
   return curvature;
 }
 
+bool is_folded(const Points& X, const Points& N, const Triangles& triangles, Eigen::Index triangle) {
+  const int i = triangles(triangle, 0), j = triangles(triangle, 1), k = triangles(triangle, 2);
+  const Eigen::RowVector3d a = X.row(i), b = X.row(j), c = X.row(k);
+  return (b - a).cross(c - a).dot(N.row(i) + N.row(j) + N.row(k)) < 0;
+}
+
 }  // namespace batten::detail

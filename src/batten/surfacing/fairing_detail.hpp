@@ -67,4 +67,7 @@ void normalize_propagated(Points& normals, const SparseMatrix& adjacency);
 /// equilateral.
 Eigen::VectorXd curvature_along_edges(const SparseMatrix& K, const Points& positions, const Points& normals);
 
+/// The triangle looks away from the sum of the normals N of its corners.
+bool is_folded(const Points& X, const Points& N, const Triangles& triangles, Eigen::Index triangle);
+
 }  // namespace batten::detail

@@ -10,6 +10,7 @@
 #include "batten/mesh/normals.hpp"
 #include "batten/mesh/self_intersections.hpp"
 #include "batten/operators/laplacian.hpp"
+#include "batten/surfacing/fairing_detail.hpp"
 
 namespace batten {
 
@@ -57,8 +58,7 @@ class Flattener {
   }
 
   bool is_folded(const Points& X, const Points& N, Index f) const {
-    return twice_area(X, f).dot(N.row(triangles_(f, 0)) + N.row(triangles_(f, 1)) + N.row(triangles_(f, 2))) <
-           0;
+    return detail::is_folded(X, N, triangles_, f);
   }
 
   /// The positions with the inner vertices of the marked patches on the membrane over their curves.

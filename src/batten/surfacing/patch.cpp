@@ -347,11 +347,12 @@ bool fill_plane(const LaidOut& laid_out, double edge, double unit, PatchMesh& me
   return true;
 }
 
+}  // namespace
+
 std::string patch_name(const NetworkCycle& cycle, int patch) {
+  if (!cycle.name.empty()) return cycle.name;
   return concat("patch ", patch, " (at vertex ", cycle.loops.front().vertices.front(), ")");
 }
-
-}  // namespace
 
 PatchMesh mesh_patch_in_space(const ScaledNetwork& network, const NetworkCycle& cycle, int patch,
                               double edge) {

@@ -238,8 +238,8 @@ struct SurfaceSolver::Implementation {
       try {
         if (in_space[p]) {
           patch = mesh_patch_in_space(scaled_network, cycles[p], static_cast<int>(p), edge);
-          warning = concat("patch ", p, " (at vertex ", cycles[p].loops.front().vertices.front(),
-                           ") folded over from its plane layout; it was triangulated in space");
+          warning = concat(detail::patch_name(cycles[p], static_cast<int>(p)),
+                           " folded over from its plane layout; it was triangulated in space");
         } else {
           patch = mesh_patch(scaled_network, cycles[p], static_cast<int>(p), options.map, edge, warning);
           in_space[p] = patch.layout == PatchLayout::Space;
@@ -446,9 +446,7 @@ struct SurfaceSolver::Implementation {
   };
 
   bool is_folded(const Points& X, const Points& N, Index f) const {
-    const RowVector3d a = X.row(triangles(f, 0)), b = X.row(triangles(f, 1)), c = X.row(triangles(f, 2));
-    const RowVector3d n = N.row(triangles(f, 0)) + N.row(triangles(f, 1)) + N.row(triangles(f, 2));
-    return (b - a).cross(c - a).dot(n) < 0;
+    return detail::is_folded(X, N, triangles, f);
   }
 
   Soundness judge(const Points& X, const Points& N) const {
