@@ -131,8 +131,7 @@ class BasicRefinement {
     for (int k = 0; k < m_; ++k) {
       const int from = line.vertices[at(k)], to = line.vertices[at(k + 1)];
       if (edge.sharpness > 0)
-        surface_.refined.sharp_edges.push_back(
-            {from, to, edge.sharpness >= 1 ? kInfinitelySharp : 4 * edge.sharpness});
+        surface_.refined.sharp_edges.push_back({from, to, detail::crease_sharpness(edge.sharpness)});
       if (with_polylines_)
         surface_.refined.polylines.push_back(
             {from, to,

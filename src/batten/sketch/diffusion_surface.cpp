@@ -14,6 +14,7 @@
 #include "batten/mesh/box_tree.hpp"
 #include "batten/mesh/self_intersections.hpp"
 #include "batten/sketch/cage_fit_detail.hpp"
+#include "batten/sketch/coons.hpp"
 #include "batten/sketch/curvature_flow_detail.hpp"
 #include "batten/sketch/face_split_detail.hpp"
 #include "batten/sketch/refined_mesh_detail.hpp"
@@ -71,42 +72,27 @@ struct FaceRecord {
   Box box{Vector3d::Zero(), Vector3d::Zero()};
 };
 
-/// The bilinearly blended Coons patch (H 6.1.2) over the unit square. It follows tubes, which a plate through
-/// few curves does not.
-class CoonsPatch {
- public:
-  /// @param square of the boundary, n × 2, and its points, n × 3, counter-clockwise.
-  CoonsPatch(const detail::PlanePoints& square, const Points& points) {
-    // The four sides as points over their parameter, 0 to 1 along the axes.
-    const auto side = [&](Index fixed, double value) {
-      std::vector<std::pair<double, Vector3d>> found;
-      for (Index i = 0; i < square.rows(); ++i)
-        if (std::abs(square(i, fixed) - value) < 1e-12)
-          found.emplace_back(square(i, 1 - fixed), points.row(i));
-      std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-      return found;
-    };
-    sides_ = {side(1, 0), side(1, 1), side(0, 0), side(0, 1)};
+/// The Coons patch of a loop laid out on the unit square: its four sides are the points between the corners
+/// of the square. It follows tubes, which a plate through few curves does not.
+/// @param square of the loop, n × 2, by arc length between the corners; points, n × 3. Both
+/// counter-clockwise.
+CoonsPatch patch_over_square(const detail::PlanePoints& square, const Points& points) {
+  static const std::array<Eigen::RowVector2d, 4> kCorners{Eigen::RowVector2d(0, 0), Eigen::RowVector2d(1, 0),
+                                                          Eigen::RowVector2d(1, 1), Eigen::RowVector2d(0, 1)};
+  const Index n = square.rows();
+  std::array<Index, 4> at_corner{};
+  for (Index i = 0; i < n; ++i)
+    for (size_t c = 0; c < 4; ++c)
+      if ((square.row(i) - kCorners[c]).norm() < 1e-12) at_corner[c] = i;
+  std::array<SharedPolyline, 4> sides;
+  for (size_t c = 0; c < 4; ++c) {
+    const Index count = (at_corner[(c + 1) % 4] - at_corner[c] + n) % n;
+    Points side(count + 1, 3);
+    for (Index i = 0; i <= count; ++i) side.row(i) = points.row((at_corner[c] + i) % n);
+    sides[c] = std::make_shared<Polyline>(std::move(side));
   }
-
-  Vector3d at(double u, double v) const {
-    const auto p = [&](size_t side, double t) { return along(sides_[side], t); };
-    return (1 - v) * p(0, u) + v * p(1, u) + (1 - u) * p(2, v) + u * p(3, v) - (1 - u) * (1 - v) * p(0, 0) -
-           u * (1 - v) * p(0, 1) - (1 - u) * v * p(1, 0) - u * v * p(1, 1);
-  }
-
- private:
-  using Side = std::vector<std::pair<double, Vector3d>>;
-
-  static Vector3d along(const Side& side, double t) {
-    size_t k = 1;
-    while (k + 1 < side.size() && side[k].first < t) ++k;
-    const double share = (t - side[k - 1].first) / (side[k].first - side[k - 1].first);
-    return (1 - share) * side[k - 1].second + share * side[k].second;
-  }
-
-  std::array<Side, 4> sides_;
-};
+  return CoonsPatch(std::move(sides));
+}
 
 /// The plane in which a surface lies at a vertex of the model, from the drawn curves that meet there: its
 /// unit normal, with either sign; zero where they do not tell.
@@ -295,7 +281,7 @@ struct EditedSurface::Implementation {
     if (face.is_coons) {
       Points loop(made.n_boundary, 3);
       for (int v = 0; v < made.n_boundary; ++v) loop.row(v) = targets[at(vertices[at(v)])].transpose();
-      const CoonsPatch coons(made.square.topRows(made.n_boundary), loop);
+      const CoonsPatch coons = patch_over_square(made.square.topRows(made.n_boundary), loop);
       for (Index v = made.n_boundary; v < made.domain.rows(); ++v)
         positions[at(vertices[static_cast<size_t>(v)])] = coons.at(made.square(v, 0), made.square(v, 1));
     }
@@ -431,8 +417,8 @@ struct EditedSurface::Implementation {
           if (edge.drawn && options.fidelity > 0) part.soft[i] = 1;
           if (k > 0 && k + 1 < edge.chain.size()) part.sharpness[i] = 2 * edge.sharpness;
           if (own && edge.sharpness > 0 && k + 1 < edge.chain.size())
-            part.sharp_edges.push_back({v, local[at(edge.chain[k + 1])],
-                                        edge.sharpness >= 1 ? kInfinitelySharp : 4 * edge.sharpness});
+            part.sharp_edges.push_back(
+                {v, local[at(edge.chain[k + 1])], detail::crease_sharpness(edge.sharpness)});
         }
         // S of the vertices of the model, from all of their edges.
         const int vertex = mesh.start_of(side), v = local[at(of_vertex[at(vertex)])];
@@ -597,14 +583,7 @@ struct EditedSurface::Implementation {
     if (!parts.mesh.positions.allFinite()) {
       folded = region.list;
     } else {
-      Triangles triangles(2 * parts.mesh.n_faces(), 3);
-      for (Index f = 0; f < parts.mesh.n_faces(); ++f) {
-        const int* c = &parts.mesh.corners[static_cast<size_t>(4 * f)];
-        const auto both = detail::cut_along_corners({c[0], c[1], c[2], c[3]});
-        for (size_t k = 0; k < 2; ++k)
-          triangles.row(2 * f + static_cast<Index>(k)) << both[k][0], both[k][1], both[k][2];
-      }
-      for (const auto& [one, other] : self_intersections(parts.mesh.positions, triangles))
+      for (const auto& [one, other] : self_intersections(parts.mesh.positions, detail::cut_quads(parts.mesh)))
         for (const int triangle : {one, other}) folded.push_back(parts.face_of_quad[at(triangle / 2)]);
     }
     bool any = false;
@@ -735,7 +714,7 @@ DiffusionSurface EditedSurface::surface(const PolylineMesh& mesh) const {
       if (edge.drawn || k == 0 || k + 1 == edge.chain.size()) surface.on_curve[at(chain.back())] = 1;
       if (k > 0 && edge.sharpness > 0)
         surface.refined.sharp_edges.push_back(
-            {chain[k - 1], chain[k], edge.sharpness >= 1 ? kInfinitelySharp : 4 * edge.sharpness});
+            {chain[k - 1], chain[k], detail::crease_sharpness(edge.sharpness)});
     }
   }
   PolygonMesh& refined = surface.refined.mesh;

@@ -28,6 +28,8 @@ size_t at(int i) {
   return static_cast<size_t>(i);
 }
 
+}  // namespace
+
 Triangles cut_quads(const PolygonMesh& mesh) {
   Triangles triangles(2 * mesh.n_faces(), 3);
   for (Index f = 0; f < mesh.n_faces(); ++f) {
@@ -39,7 +41,9 @@ Triangles cut_quads(const PolygonMesh& mesh) {
   return triangles;
 }
 
-}  // namespace
+double crease_sharpness(double drawn) {
+  return drawn >= 1 ? kInfinitelySharp : 4 * drawn;
+}
 
 void fit_limit(ControlCage& cage, const Points& target, const Progress& progress) {
   fit_limit(cage, target, std::vector<char>(static_cast<size_t>(target.rows()), 1), progress);

@@ -8,6 +8,13 @@
 // What the surfaces of a model share; made in refined_mesh.cpp.
 namespace batten::detail {
 
+/// The quads as triangles, two by two, each cut by cut_along_corners().
+Triangles cut_quads(const PolygonMesh& mesh);
+
+/// The sharpness of a crease of the cage along a drawn edge of this sharpness: 0 to 1 for 0 to 4 levels, from
+/// 1 infinite.
+double crease_sharpness(double drawn);
+
 /// Moves the vertices of a cage of quads until its Catmull–Clark limit surface goes through `target`.
 /// @param target n × 3, one per vertex. @throws SolverFailure, Cancelled.
 void fit_limit(ControlCage& cage, const Points& target, const Progress& progress);
