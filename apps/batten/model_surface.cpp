@@ -42,6 +42,18 @@ Triangles cut_quads(const PolygonMesh& mesh) {
   return triangles;
 }
 
+/// Lists faces in `json` and returns their names for a sentence: "f3, f7".
+template <typename Faces>
+std::string name_faces(const Faces& faces, Json& json) {
+  json = Json::array();
+  std::string names;
+  for (const int face : faces) {
+    json.push_back(concat("f", face));
+    names += concat(names.empty() ? "f" : ", f", face);
+  }
+  return names;
+}
+
 /// Pairs of crossing triangles that are counted; more are told as "at least".
 constexpr size_t kMostCrossings = 100000;
 
@@ -57,12 +69,7 @@ void tell_soundness(const std::vector<int>& turned, const std::vector<int>& face
   const auto note = [&](int triangle) { faces.insert(face_of_triangle[static_cast<size_t>(triangle)]); };
   for (const auto& [one, other] : crossing) note(one), note(other);
   for (const int triangle : turned) note(triangle);
-  Json& broken = result.figures["broken_faces"] = Json::array();
-  std::string names;
-  for (const int face : faces) {
-    broken.push_back(concat("f", face));
-    names += concat(names.empty() ? "f" : ", f", face);
-  }
+  const std::string names = name_faces(faces, result.figures["broken_faces"]);
   if (faces.empty()) return;
   result.warnings.push_back(concat("the finished surface is not sound in ", names, ": ",
                                    crossing.size() == kMostCrossings ? "at least " : "", crossing.size(),
@@ -180,12 +187,7 @@ ModelSurface make_model_surface(const PolylineMesh& model, const ModelSurfaceOpt
   result.times.add(surface.times);
   result.figures["quads"] = surface.refined.mesh.n_faces();
   result.figures["last_move"] = surface.last_move;
-  Json& not_smoothed = result.figures["not_smoothed"] = Json::array();
-  std::string names;
-  for (const int face : surface.not_smoothed) {
-    not_smoothed.push_back(concat("f", face));
-    names += concat(names.empty() ? "f" : ", f", face);
-  }
+  const std::string names = name_faces(surface.not_smoothed, result.figures["not_smoothed"]);
   if (!names.empty())
     result.warnings.push_back(concat("smoothing would fold ", names,
                                      "; they keep their first shape and meet their neighbours in a crease; ",

@@ -58,7 +58,7 @@ class Comparison {
  public:
   Comparison(const SketchComparisonOptions& options, const Progress& progress)
       : options_(options), progress_(progress) {
-    ReportGrid& grid = result_.grid;
+    ReportGrid& grid = result.grid;
     grid.title = "Surfaces of sketched models";
     grid.note = concat(
         "Deviation: distance from the truth over the diameter, mean by area. Normals: angle between quadrics "
@@ -86,12 +86,10 @@ class Comparison {
       progress_.report(concat(network.name, " by ", method), 0);
       entry["methods"][method] = measured(network, method);
     }
-    result_.models.push_back(std::move(entry));
+    result.models.push_back(std::move(entry));
   }
 
-  SketchComparison take() { return std::move(result_); }
-
-  SketchComparison result_;
+  SketchComparison result;
 
  private:
   Json measured(const SketchNetwork& network, const std::string& method) {
@@ -99,11 +97,11 @@ class Comparison {
     ModelSurfaceOptions options = options_.surface;
     options.method = method;
     const auto refuse = [&](const std::string& reason) -> Json {
-      std::vector<std::string> row(result_.grid.columns.size());
+      std::vector<std::string> row(result.grid.columns.size());
       row[0] = network.name;
       row[1] = method;
       row.back() = concat("refused: ", reason);
-      result_.grid.rows.push_back(std::move(row));
+      result.grid.rows.push_back(std::move(row));
       return {{"refused", reason}};
     };
     ModelSurface surface;
@@ -116,13 +114,13 @@ class Comparison {
     } catch (const Error& error) {
       return refuse(error.what());
     }
-    result_.times.add(clock);
+    result.times.add(clock);
     const TriangleMesh& mesh = surface.mesh;
     if (!mesh.positions.allFinite()) return refuse("the surface has a vertex that is not a number");
     const double diameter = model.diameter();
     ModelContinuity continuity;
     {
-      const ScopedStage timed(result_.times, "continuity");
+      const ScopedStage timed(result.times, "continuity");
       continuity = model_continuity(model, mesh, options.splits, progress_);
     }
     Json json = std::move(surface.figures);
@@ -159,14 +157,14 @@ class Comparison {
     row.push_back(concat(mesh.n_triangles()));
     row.push_back(number(clock.total(), "%.2f"));
     row.emplace_back(surface.warnings.empty() ? "" : surface.warnings.front());
-    result_.grid.rows.push_back(std::move(row));
+    result.grid.rows.push_back(std::move(row));
     if (options_.pictures) draw(network, method, mesh, errors, continuity);
     return json;
   }
 
   void draw(const SketchNetwork& network, const std::string& method, const TriangleMesh& mesh,
             const Eigen::VectorXd& errors, const ModelContinuity& continuity) {
-    const ScopedStage timed(result_.times, "draw");
+    const ScopedStage timed(result.times, "draw");
     Subject subject{.mesh = &mesh};
     std::vector<Shading> shadings = {Shading::Shaded, Shading::Isophotes};
     if (errors.size() > 0) {
@@ -182,8 +180,8 @@ class Comparison {
     if (continuity.smooth.n_samples > 0)
       caption += concat(" Normals jump by ", number(degrees(continuity.smooth.max_normal_jump), "%.2f"),
                         "° at most across smooth curves.");
-    result_.pictures.push_back({concat(network.name, " by ", method), caption,
-                                encode_png(contact_sheet(subject, shadings, options, progress_)), false});
+    result.pictures.push_back({concat(network.name, " by ", method), caption,
+                               encode_png(contact_sheet(subject, shadings, options, progress_)), false});
   }
 
   const SketchComparisonOptions& options_;
@@ -205,9 +203,9 @@ SketchComparison compare_sketch_surfaces(const std::string& folder, const Sketch
     if (!options.models.empty() &&
         std::find(options.models.begin(), options.models.end(), name) == options.models.end())
       continue;
-    comparison.run(path.empty() ? sketch_network_of(name) : play(path, comparison.result_.warnings));
+    comparison.run(path.empty() ? sketch_network_of(name) : play(path, comparison.result.warnings));
   }
-  return comparison.take();
+  return std::move(comparison.result);
 }
 
 }  // namespace batten::cli
