@@ -22,17 +22,6 @@ using namespace strokes;
 using Eigen::Index;
 using Eigen::Vector3d;
 
-PolylineMesh model(const std::vector<std::pair<DrawnStroke, InsertOptions>>& drawn) {
-  PolylineMesh mesh;
-  for (const auto& [stroke, options] : drawn)
-    edit(mesh, [&, &s = stroke, &o = options](PolylineMesh& m) { return insert_curve(m, s, o); });
-  return mesh;
-}
-
-PolylineMesh three_great_circles() {
-  return model({{circle(kO, kX, kY, 200), {}}, {circle(kO, kX, kZ, 200), {}}, {circle(kO, kY, kZ, 200), {}}});
-}
-
 constexpr FinalScheme kAllSchemes[] = {FinalScheme::CatmullClark, FinalScheme::Nuliss, FinalScheme::NulissMod,
                                        FinalScheme::NulissModCatmullClark};
 

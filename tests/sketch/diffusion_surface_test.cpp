@@ -21,17 +21,6 @@ namespace {
 using namespace strokes;
 using Eigen::Vector3d;
 
-PolylineMesh model(const std::vector<std::pair<DrawnStroke, InsertOptions>>& drawn) {
-  PolylineMesh mesh;
-  for (const auto& [stroke, options] : drawn)
-    edit(mesh, [&, &s = stroke, &o = options](PolylineMesh& m) { return insert_curve(m, s, o); });
-  return mesh;
-}
-
-PolylineMesh three_great_circles() {
-  return model({{circle(kO, kX, kY, 200), {}}, {circle(kO, kX, kZ, 200), {}}, {circle(kO, kY, kZ, 200), {}}});
-}
-
 /// The unit cube with sharp edges around its top and two sharp uprights (H fig. 7.6).
 PolylineMesh cube() {
   const Vector3d x = kX, y = kY, z = kZ;

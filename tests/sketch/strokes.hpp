@@ -56,4 +56,17 @@ inline EditReport edit(PolylineMesh& mesh, const std::function<EditReport(Polyli
 inline const Eigen::Vector3d kX = Eigen::Vector3d::UnitX(), kY = Eigen::Vector3d::UnitY(),
                              kZ = Eigen::Vector3d::UnitZ(), kO = Eigen::Vector3d::Zero();
 
+/// The model of these strokes, drawn one after the other.
+inline PolylineMesh model(const std::vector<std::pair<DrawnStroke, InsertOptions>>& drawn) {
+  PolylineMesh mesh;
+  for (const auto& [stroke, options] : drawn)
+    edit(mesh, [&, &s = stroke, &o = options](PolylineMesh& m) { return insert_curve(m, s, o); });
+  return mesh;
+}
+
+/// Three orthogonal great circles of the unit sphere (H fig. 7.7).
+inline PolylineMesh three_great_circles() {
+  return model({{circle(kO, kX, kY, 200), {}}, {circle(kO, kX, kZ, 200), {}}, {circle(kO, kY, kZ, 200), {}}});
+}
+
 }  // namespace batten::strokes
