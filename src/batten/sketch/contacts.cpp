@@ -41,17 +41,6 @@ Box grown(Box box, double by) {
   return box;
 }
 
-double distance_to(const Box& box, const Vector3d& point) {
-  return (point - point.cwiseMax(box.low).cwiseMin(box.high)).norm();
-}
-
-struct Hit {
-  double arc;
-  int edge;
-  double edge_arc;
-  double distance;
-};
-
 /// The same line with segments of at most `step` (and at most 20,000 of them): where a stroke runs along a
 /// curve, the nearest places of each segment then show it.
 Polyline finely_divided(const Points& points, double step) {
@@ -70,41 +59,14 @@ Polyline finely_divided(const Points& points, double step) {
   return Polyline(std::move(rows));
 }
 
-/// All pairs of segments of stroke and model within `snap`.
-std::vector<Hit> find_hits(const PolylineMesh& mesh, const Polyline& line, double snap) {
-  std::vector<Hit> hits;
-  const Box reach = grown(line.box(), snap);
-  for (size_t e = 0; e < mesh.edges().size(); ++e) {
-    const SketchEdge& edge = mesh.edges()[e];
-    if (!edge.alive || !edge.polyline->box().meets(reach)) continue;
-    const Polyline& old = *edge.polyline;
-    const Box old_reach = grown(old.box(), snap);
-    for (size_t block = 0; block < line.blocks().size(); ++block) {
-      if (!line.blocks()[block].meets(old_reach)) continue;
-      const Box block_reach = grown(line.blocks()[block], snap);
-      for (size_t other = 0; other < old.blocks().size(); ++other) {
-        if (!old.blocks()[other].meets(block_reach)) continue;
-        const auto i0 = static_cast<Index>(block) * Polyline::kBlock,
-                   j0 = static_cast<Index>(other) * Polyline::kBlock;
-        const Index i1 = std::min(i0 + Polyline::kBlock, line.n_points() - 1),
-                    j1 = std::min(j0 + Polyline::kBlock, old.n_points() - 1);
-        for (Index i = i0; i < i1; ++i) {
-          const Vector3d p = line.points().row(i), d = line.points().row(i + 1).transpose() - p;
-          for (Index j = j0; j < j1; ++j) {
-            const Vector3d q = old.points().row(j), f = old.points().row(j + 1).transpose() - q;
-            const SegmentPair pair = closest(p, d, q, f);
-            if (pair.distance > snap) continue;
-            hits.push_back({line.arc(i) + pair.s * (line.arc(i + 1) - line.arc(i)), static_cast<int>(e),
-                            old.arc(j) + pair.t * (old.arc(j + 1) - old.arc(j)), pair.distance});
-          }
-        }
-      }
-    }
-  }
-  std::sort(hits.begin(), hits.end(), [](const Hit& a, const Hit& b) {
-    return a.arc != b.arc ? a.arc < b.arc : a.edge != b.edge ? a.edge < b.edge : a.edge_arc < b.edge_arc;
-  });
-  return hits;
+/// Pairs (edge, block of the line) whose boxes come within `snap` of each other, in this order.
+std::vector<std::pair<int, int>> near_pairs(const PolylineMesh& mesh, const Polyline& line, double snap) {
+  std::vector<std::pair<int, int>> pairs;
+  for (size_t block = 0; block < line.blocks().size(); ++block)
+    for (const int edge : mesh.edge_boxes().meeting(grown(line.blocks()[block], snap)))
+      pairs.emplace_back(edge, static_cast<int>(block));
+  std::sort(pairs.begin(), pairs.end());
+  return pairs;
 }
 
 StrokeContact contact_of(const PolylineMesh& mesh, const Hit& hit, double snap) {
@@ -145,6 +107,35 @@ std::string text_of_length(double length) {
 
 std::string name_of(const PolylineMesh& mesh, const StrokeContact& contact) {
   return contact.vertex >= 0 ? concat("v", contact.vertex) : concat("c", mesh.edge(contact.edge).curve);
+}
+
+std::vector<Hit> find_hits(const PolylineMesh& mesh, const Polyline& line, double snap) {
+  std::vector<Hit> hits;
+  for (const auto& [e, block] : near_pairs(mesh, line, snap)) {
+    const Polyline& old = *mesh.edge(e).polyline;
+    const Box block_reach = grown(line.blocks()[static_cast<size_t>(block)], snap);
+    for (size_t other = 0; other < old.blocks().size(); ++other) {
+      if (!old.blocks()[other].meets(block_reach)) continue;
+      const auto i0 = static_cast<Index>(block) * Polyline::kBlock,
+                 j0 = static_cast<Index>(other) * Polyline::kBlock;
+      const Index i1 = std::min(i0 + Polyline::kBlock, line.n_points() - 1),
+                  j1 = std::min(j0 + Polyline::kBlock, old.n_points() - 1);
+      for (Index i = i0; i < i1; ++i) {
+        const Vector3d p = line.points().row(i), d = line.points().row(i + 1).transpose() - p;
+        for (Index j = j0; j < j1; ++j) {
+          const Vector3d q = old.points().row(j), f = old.points().row(j + 1).transpose() - q;
+          const SegmentPair pair = closest(p, d, q, f);
+          if (pair.distance > snap) continue;
+          hits.push_back({line.arc(i) + pair.s * (line.arc(i + 1) - line.arc(i)), e,
+                          old.arc(j) + pair.t * (old.arc(j + 1) - old.arc(j)), pair.distance});
+        }
+      }
+    }
+  }
+  std::sort(hits.begin(), hits.end(), [](const Hit& a, const Hit& b) {
+    return a.arc != b.arc ? a.arc < b.arc : a.edge != b.edge ? a.edge < b.edge : a.edge_arc < b.edge_arc;
+  });
+  return hits;
 }
 
 std::vector<StrokeContact> find_contacts(const PolylineMesh& mesh, const Stroke& stroke, double snap) {
@@ -212,26 +203,32 @@ std::vector<StrokeContact> find_contacts(const PolylineMesh& mesh, const Stroke&
   return contacts;
 }
 
+double distance_below(const Box& box, const Vector3d& point) {
+  const double largest =
+      std::max({box.low.cwiseAbs().maxCoeff(), box.high.cwiseAbs().maxCoeff(), point.cwiseAbs().maxCoeff()});
+  return (point - point.cwiseMax(box.low).cwiseMin(box.high)).norm() - 1e-14 * largest;
+}
+
 NearestPlace nearest_place(const PolylineMesh& mesh, const Vector3d& point) {
   NearestPlace best;
   best.distance = std::numeric_limits<double>::infinity();
-  for (size_t e = 0; e < mesh.edges().size(); ++e) {
-    const SketchEdge& edge = mesh.edges()[e];
-    if (!edge.alive || distance_to(edge.polyline->box(), point) >= best.distance) continue;
-    const Polyline& line = *edge.polyline;
+  const auto visit = [&](int e) {
+    const Polyline& line = *mesh.edge(e).polyline;
     for (size_t block = 0; block < line.blocks().size(); ++block) {
-      if (distance_to(line.blocks()[block], point) >= best.distance) continue;
+      if (distance_below(line.blocks()[block], point) > best.distance) continue;
       const auto begin = static_cast<Index>(block) * Polyline::kBlock;
       for (Index i = begin; i < std::min(begin + Polyline::kBlock, line.n_points() - 1); ++i) {
         const ClosestPoint found =
             closest_point_on_segment(point, line.points().row(i), line.points().row(i + 1));
         const double distance = std::sqrt(found.squared_distance);
-        if (distance >= best.distance) continue;
-        best = {static_cast<int>(e), line.arc(i) + found.weights(1) * (line.arc(i + 1) - line.arc(i)),
-                found.point, distance};
+        // Of places equally near, that on the lowest edge, as edges meet at vertices.
+        if (distance > best.distance || (distance == best.distance && e >= best.edge)) continue;
+        best = {e, line.arc(i) + found.weights(1) * (line.arc(i + 1) - line.arc(i)), found.point, distance};
       }
     }
-  }
+    return best.distance;
+  };
+  mesh.edge_boxes().visit_nearest([&](const Box& box) { return distance_below(box, point); }, visit);
   return best;
 }
 

@@ -18,6 +18,16 @@ struct StrokeContact {
   double distance = 0;                                 ///< between the two
 };
 
+/// A pair of segments, one of a line and one of an edge, where they come nearest.
+struct Hit {
+  double arc = 0;  ///< along the line
+  int edge = -1;
+  double edge_arc = 0;  ///< along the edge
+  double distance = 0;
+};
+/// All pairs of segments of line and model within `snap`, in order along the line.
+std::vector<Hit> find_hits(const PolylineMesh& mesh, const Polyline& line, double snap);
+
 /// All contacts of a stroke within `snap`, in order along it. Places nearer than `snap` to a vertex count as
 /// that vertex. Costs as much as the part of the model near the stroke.
 /// @throws RefusedEdit when the stroke runs along a curve.
@@ -31,6 +41,9 @@ struct NearestPlace {
   double distance = 0;
 };
 NearestPlace nearest_place(const PolylineMesh& mesh, const Eigen::Vector3d& point);
+/// A little less than the distance of a point from a box, so that rounding never makes it more than the
+/// computed distance of what is in the box.
+double distance_below(const Box& box, const Eigen::Vector3d& point);
 
 /// Turns contacts into vertices of the model, splitting edges. One per contact, in the same order.
 std::vector<int> contact_vertices(PolylineMesh& mesh, const std::vector<StrokeContact>& contacts);

@@ -34,6 +34,12 @@ size_t corner_in(const PolylineMesh& mesh, const std::vector<int>& walk, int ver
       walk.begin());
 }
 
+bool is_at_border(const PolylineMesh& mesh, int vertex) {
+  const auto& edges = mesh.vertex(vertex).edges;
+  return std::any_of(edges.begin(), edges.end(),
+                     [&](int e) { return mesh.edge(e).faces[0] < 0 || mesh.edge(e).faces[1] < 0; });
+}
+
 std::vector<Walkway> walkways(const PolylineMesh& mesh, int from, int to) {
   std::vector<Walkway> found;
   for (const int e : mesh.vertex(from).edges) {
@@ -43,7 +49,7 @@ std::vector<Walkway> walkways(const PolylineMesh& mesh, int from, int to) {
     if (way.face >= 0) {
       way.walk = mesh.face(way.face).sides;
     } else {
-      if (mesh.face_of(opposite_side(side)) < 0) continue;
+      if (mesh.face_of(opposite_side(side)) < 0 || !is_at_border(mesh, to)) continue;
       way.opening = side;
       way.walk = mesh.opening(side);
     }
@@ -132,9 +138,11 @@ void refuse_end(const PolylineMesh& mesh, const Vector3d& end, const char* verb,
 void refuse_on_face(const PolylineMesh& mesh, const Stroke& stroke, double snap) {
   const Box own{stroke.points.colwise().minCoeff(), stroke.points.colwise().maxCoeff()};
   const double reach = std::max(2 * snap, 0.05 * (own.high - own.low).norm());
-  for (size_t f = 0; f < mesh.faces().size(); ++f) {
-    if (!mesh.faces()[f].alive) continue;
-    const FaceFan fan = face_fan(mesh, mesh.faces()[f].sides);
+  Box near = own;
+  near.low.array() -= 1.01 * reach;  // more than the box of the fan below is grown by, whatever the rounding
+  near.high.array() += 1.01 * reach;
+  for (const int f : mesh.face_boxes().meeting(near)) {
+    const FaceFan fan = face_fan(mesh, mesh.face(f).sides);
     Box box{fan.outline.colwise().minCoeff(), fan.outline.colwise().maxCoeff()};
     box.low.array() -= reach;
     box.high.array() += reach;
