@@ -126,8 +126,8 @@ void expect_same_boxes(const PolylineMesh& mesh, const Box& box) {
   EXPECT_EQ(mesh.empty(), !any);
   EXPECT_EQ(mesh.diameter(), any ? (all.high - all.low).norm() : 0);
   for (int c = -1; c <= mesh.n_curves(); ++c)
-    EXPECT_EQ(mesh.edges_of_curve(c), c >= 0 && c < mesh.n_curves() ? edges_of_curve[static_cast<size_t>(c)]
-                                                                    : std::vector<int>());
+    EXPECT_EQ(mesh.edges_of_curve(c),
+              c >= 0 && c < mesh.n_curves() ? edges_of_curve[static_cast<size_t>(c)] : std::vector<int>());
 }
 
 Box random_box(Random& random) {

@@ -1,5 +1,6 @@
-// A height-balanced binary tree of boxes: a new leaf goes where the sizes of boxes grow least, and rotations on
-// the way back keep the heights of siblings within one of each other or so (Goldsmith and Salmon 1987; AVL).
+// A height-balanced binary tree of boxes: a new leaf goes where the sizes of boxes grow least, and rotations
+// on the way back keep the heights of siblings within one of each other or so (Goldsmith and Salmon 1987;
+// AVL).
 #include "batten/mesh/dynamic_box_tree.hpp"
 
 #include <algorithm>
@@ -168,8 +169,8 @@ int DynamicBoxTree::balanced(int index) {
   if (difference >= -1 && difference <= 1) return index;
   const int high = difference > 0 ? right : left;
   const int a = nodes_[at(high)].left, b = nodes_[at(high)].right;
-  // The higher grandchild stays with the child that rises, the other takes the child's place; of equals the one
-  // with which the lower box is the smaller.
+  // The higher grandchild stays with the child that rises, the other takes the child's place; of equals the
+  // one with which the lower box is the smaller.
   int stays = nodes_[at(a)].height > nodes_[at(b)].height ? a : b;
   if (nodes_[at(a)].height == nodes_[at(b)].height) {
     const Box& low = nodes_[at(difference > 0 ? left : right)].box;

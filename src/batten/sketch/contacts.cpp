@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <set>
 
 #include <Eigen/Geometry>
 
@@ -15,6 +16,9 @@ namespace {
 
 using Eigen::Index;
 using Eigen::Vector3d;
+
+/// Times the snapping distance: nearer along a stroke, two places are one.
+constexpr double kSamePlace = 0.05;
 
 /// Closest points of two segments p + s d and q + t e (Ericson, Real-Time Collision Detection, 5.1.9).
 struct SegmentPair {
@@ -82,7 +86,7 @@ StrokeContact contact_of(const PolylineMesh& mesh, const Hit& hit, double snap) 
   // A seam is invisible to whoever draws, so it does not attract; it is only taken where it would leave a
   // sliver.
   const int vertex = edge.vertices[static_cast<size_t>(nearer)];
-  const double reach = mesh.vertex(vertex).is_seam ? 0.05 * snap : snap;
+  const double reach = mesh.vertex(vertex).is_seam ? kSamePlace * snap : snap;
   if ((contact.position - mesh.vertex(vertex).position).norm() <= reach && to_ends[nearer] <= 2 * reach) {
     contact.vertex = vertex;
     contact.edge = -1;
@@ -91,9 +95,119 @@ StrokeContact contact_of(const PolylineMesh& mesh, const Hit& hit, double snap) 
   return contact;
 }
 
-bool same_place(const StrokeContact& a, const StrokeContact& b, double snap) {
-  if (a.vertex >= 0 || b.vertex >= 0) return a.vertex == b.vertex;
-  return a.edge == b.edge && std::abs(a.edge_arc - b.edge_arc) <= 2 * snap;
+/// Whether a way of at most `most` leads along the edges of the model from one contact to the other.
+bool near_along_edges(const PolylineMesh& mesh, const StrokeContact& a, const StrokeContact& b, double most) {
+  // The vertices that a contact is next to, and how far away.
+  const auto ends_of = [&](const StrokeContact& contact) {
+    std::vector<std::pair<double, int>> ends;
+    if (contact.vertex >= 0) {
+      ends.emplace_back(0, contact.vertex);
+    } else {
+      const SketchEdge& edge = mesh.edge(contact.edge);
+      ends.emplace_back(contact.edge_arc, edge.vertices[0]);
+      ends.emplace_back(edge.polyline->length() - contact.edge_arc, edge.vertices[1]);
+    }
+    return ends;
+  };
+  if (a.edge >= 0 && a.edge == b.edge && std::abs(a.edge_arc - b.edge_arc) <= most) return true;
+  std::map<int, double> reached;
+  std::set<std::pair<double, int>> front;  // Dijkstra's, from a
+  for (const auto& [distance, vertex] : ends_of(a)) front.emplace(distance, vertex);
+  const auto goals = ends_of(b);
+  while (!front.empty()) {
+    const auto [distance, vertex] = *front.begin();
+    front.erase(front.begin());
+    if (distance > most) return false;
+    if (!reached.emplace(vertex, distance).second) continue;
+    for (const auto& [rest, goal] : goals)
+      if (goal == vertex && distance + rest <= most) return true;
+    for (const int e : mesh.vertex(vertex).edges) {
+      const auto& ends = mesh.edge(e).vertices;
+      front.emplace(distance + mesh.edge(e).polyline->length(), ends[0] == vertex ? ends[1] : ends[0]);
+    }
+  }
+  return false;
+}
+
+/// How two contacts near each other are to be understood.
+enum class Relation {
+  kApart,    ///< two places that the stroke meets one after the other
+  kOne,      ///< one place, or two at an end of the stroke, which ends on the nearer
+  kUnclear,  ///< two curves side by side: which is met first, or at all, cannot be told
+};
+
+Relation relation(const PolylineMesh& mesh, const Stroke& stroke, const StrokeContact& a,
+                  const StrokeContact& b, double snap) {
+  double along = std::abs(a.arc - b.arc);
+  if (stroke.closed) along = std::min(along, stroke.length - along);
+  const double apart = (a.position - b.position).norm();
+  if (along > 4 * snap || apart > 2 * snap) return Relation::kApart;
+  if (a.vertex >= 0 && a.vertex == b.vertex) return Relation::kOne;
+  const bool has_vertex = a.vertex >= 0 || b.vertex >= 0;
+  const bool is_near = near_along_edges(mesh, a, b, 4 * snap);
+  // Through a vertex, its edges are met there and nowhere else; to meet one edge twice takes a longer way.
+  if (is_near && (has_vertex || (a.edge == b.edge && std::abs(a.edge_arc - b.edge_arc) <= 2 * snap)))
+    return Relation::kOne;
+  // The stroke goes from the one to the other rather than past both, and its curve, held at both, by less
+  // than 45° aslant.
+  if (along >= 0.7 * apart && along >= kSamePlace * snap) return Relation::kApart;
+  if (is_near) return Relation::kOne;
+  const double from_start = std::max(a.arc, b.arc), from_end = stroke.length - std::min(a.arc, b.arc);
+  return !stroke.closed && std::min(from_start, from_end) <= 2 * snap ? Relation::kOne : Relation::kUnclear;
+}
+
+/// Adds a contact unless it is one of those that there are, which are better ones.
+void add_contact(const PolylineMesh& mesh, const Stroke& stroke, double snap, const StrokeContact& contact,
+                 std::vector<StrokeContact>& contacts) {
+  const StrokeContact* unclear = nullptr;
+  for (const StrokeContact& other : contacts) {
+    const Relation how = relation(mesh, stroke, contact, other, snap);
+    if (how == Relation::kOne) return;
+    if (how == Relation::kUnclear) unclear = &other;
+  }
+  if (unclear) {
+    const double apart = (contact.position - unclear->position).norm();
+    throw RefusedEdit(
+        concat("the stroke meets ", name_of(mesh, *unclear), " and ", name_of(mesh, contact), " in places ",
+               text_of_length(apart), " apart, too near each other for the snapping distance of ",
+               text_of_length(snap), " to tell which is meant"),
+        apart > kSamePlace * snap ? concat("give a snap of ", text_of_length(0.95 * contact.distance),
+                                           " or less, or draw it clear of one of them")
+                                  : std::string("draw it where they lie apart"));
+  }
+  contacts.push_back(contact);
+}
+
+/// Hits on one edge, those gathered that lie near each other along both. @param hits in order of arc.
+std::vector<std::vector<Hit>> runs_of(const std::vector<Hit>& hits, double snap) {
+  struct Run {
+    std::vector<Hit> hits;
+    double from, to;  // along the edge
+  };
+  std::vector<Run> runs;
+  for (const Hit& hit : hits) {
+    Run run{{hit}, hit.edge_arc, hit.edge_arc};
+    // More than one where a hit lies between them.
+    for (size_t k = 0; k < runs.size();) {
+      Run& other = runs[k];
+      if (hit.arc - other.hits.back().arc > 2 * snap || hit.edge_arc < other.from - 2 * snap ||
+          hit.edge_arc > other.to + 2 * snap) {
+        ++k;
+        continue;
+      }
+      other.hits.insert(other.hits.end(), run.hits.begin(), run.hits.end());
+      run = {std::move(other.hits), std::min(run.from, other.from), std::max(run.to, other.to)};
+      runs.erase(runs.begin() + static_cast<std::ptrdiff_t>(k));
+    }
+    runs.push_back(std::move(run));
+  }
+  std::vector<std::vector<Hit>> result;
+  for (Run& run : runs) {
+    std::stable_sort(run.hits.begin(), run.hits.end(),
+                     [](const Hit& x, const Hit& y) { return x.arc < y.arc; });
+    result.push_back(std::move(run.hits));
+  }
+  return result;
 }
 
 }  // namespace
@@ -145,18 +259,12 @@ std::vector<StrokeContact> find_contacts(const PolylineMesh& mesh, const Stroke&
     points.row(points.rows() - 1) = stroke.points.row(0);
   }
   const Polyline line = finely_divided(points, snap);
-  std::vector<Hit> hits = find_hits(mesh, line, snap);
-
   // Runs of hits on one edge; each has one place where it comes nearest.
-  std::map<int, std::vector<std::vector<Hit>>> runs_of_edge;
-  for (const Hit& hit : hits) {
-    auto& runs = runs_of_edge[hit.edge];
-    if (runs.empty() || hit.arc - runs.back().back().arc > 2 * snap) runs.emplace_back();
-    runs.back().push_back(hit);
-  }
+  std::map<int, std::vector<Hit>> hits_of_edge;
+  for (const Hit& hit : find_hits(mesh, line, snap)) hits_of_edge[hit.edge].push_back(hit);
   std::vector<Hit> nearest;
-  for (const auto& [edge, runs] : runs_of_edge)
-    for (const auto& run : runs) {
+  for (const auto& [edge, hits] : hits_of_edge)
+    for (const auto& run : runs_of(hits, snap)) {
       const double along = run.back().arc - run.front().arc;
       if (along > 12 * snap)
         throw RefusedEdit(
@@ -166,39 +274,24 @@ std::vector<StrokeContact> find_contacts(const PolylineMesh& mesh, const Stroke&
       nearest.push_back(*std::min_element(
           run.begin(), run.end(), [](const Hit& a, const Hit& b) { return a.distance < b.distance; }));
     }
-  std::stable_sort(nearest.begin(), nearest.end(), [](const Hit& a, const Hit& b) { return a.arc < b.arc; });
-
-  std::vector<StrokeContact> contacts;
+  // Vertices first, as edges that meet at a vertex are all met there; then what is nearest.
+  std::vector<StrokeContact> found, contacts;
   for (const Hit& hit : nearest) {
-    StrokeContact contact = contact_of(mesh, hit, snap);
-    contact.arc = std::min(contact.arc, stroke.length);
-    // Edges that meet at a vertex are all met there: one contact, the nearest, the vertex before its edges.
-    StrokeContact* last = contacts.empty() ? nullptr : &contacts.back();
-    const bool close =
-        last && (contact.position - last->position).norm() <= 2 * snap && contact.arc - last->arc <= 4 * snap;
-    if (last && (same_place(contact, *last, snap) || close)) {
-      const bool better = (contact.vertex >= 0) != (last->vertex >= 0) ? contact.vertex >= 0
-                                                                       : contact.distance < last->distance;
-      if (better) *last = contact;
-    } else {
-      contacts.push_back(contact);
-    }
+    found.push_back(contact_of(mesh, hit, snap));
+    found.back().arc = std::min(hit.arc, stroke.length);
   }
+  std::stable_sort(found.begin(), found.end(), [](const StrokeContact& a, const StrokeContact& b) {
+    const bool a_has = a.vertex >= 0, b_has = b.vertex >= 0;
+    return a_has != b_has ? a_has : a.distance != b.distance ? a.distance < b.distance : a.arc < b.arc;
+  });
+  for (const StrokeContact& contact : found) add_contact(mesh, stroke, snap, contact, contacts);
+  std::stable_sort(contacts.begin(), contacts.end(),
+                   [](const StrokeContact& a, const StrokeContact& b) { return a.arc < b.arc; });
   // Open strokes end on what their ends touch.
   if (!stroke.closed && !contacts.empty()) {
     if (contacts.front().arc <= 2 * snap) contacts.front().arc = 0;
     if (stroke.length - contacts.back().arc <= 2 * snap && contacts.size() > 1)
       contacts.back().arc = stroke.length;  // exactly, whatever rounding did to the line
-  }
-  if (stroke.closed && contacts.size() > 1) {  // the start may lie on a contact
-    const StrokeContact &first = contacts.front(), &last = contacts.back();
-    if (first.arc + line.length() - last.arc <= 4 * snap &&
-        (same_place(first, last, snap) || (first.position - last.position).norm() <= 2 * snap)) {
-      if (last.distance < first.distance)
-        contacts.erase(contacts.begin());
-      else
-        contacts.pop_back();
-    }
   }
   return contacts;
 }

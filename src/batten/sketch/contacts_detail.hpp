@@ -29,8 +29,10 @@ struct Hit {
 std::vector<Hit> find_hits(const PolylineMesh& mesh, const Polyline& line, double snap);
 
 /// All contacts of a stroke within `snap`, in order along it. Places nearer than `snap` to a vertex count as
-/// that vertex. Costs as much as the part of the model near the stroke.
-/// @throws RefusedEdit when the stroke runs along a curve.
+/// that vertex, and edges that meet there are met there alone. Places of the model nearer to each other than
+/// 2 · snap are two contacts where the stroke leads from the one to the other; where an end of it lies beside
+/// both, the nearer one is its end. Costs as much as the part of the model near the stroke.
+/// @throws RefusedEdit when the stroke runs along a curve, or past two curves between which it cannot choose.
 std::vector<StrokeContact> find_contacts(const PolylineMesh& mesh, const Stroke& stroke, double snap);
 
 /// The place of the model nearest to a point. @pre the model is not empty.

@@ -116,13 +116,15 @@ bool heads_for_faces(const PolylineMesh& mesh, const Walkway& opening, int from,
   if (passed.edge < 0)
     throw RefusedEdit(where, "cross every curve on the way, or draw it in parts from curve to curve");
   const std::string distance = text_of_length(passed.distance);
+  const bool is_within = passed.distance <= snap;  // met, but taken for one place with a curve beside it
   throw RefusedEdit(
       concat(where, ": it passes c", mesh.edge(passed.edge).curve, " at a distance of ", distance,
-             passed.distance > snap ? concat(", more than the snapping distance of ", text_of_length(snap))
-                                    : ""),
-      concat("draw it through c", mesh.edge(passed.edge).curve, ", or give a snap of ",
-             text_of_length(1.05 * std::max(passed.distance, snap)),
-             " or more; to close the opening instead, give \"into\": \"opening\""));
+             is_within ? ", which counts as one place with another that it meets"
+                       : concat(", more than the snapping distance of ", text_of_length(snap))),
+      concat("draw it through c", mesh.edge(passed.edge).curve,
+             is_within ? concat(", or give a snap below ", text_of_length(snap))
+                       : concat(", or give a snap of ", text_of_length(1.05 * passed.distance), " or more"),
+             "; to close the opening instead, give \"into\": \"opening\""));
 }
 
 void refuse_end(const PolylineMesh& mesh, const Vector3d& end, const char* verb, double snap) {
