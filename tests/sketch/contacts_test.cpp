@@ -46,8 +46,8 @@ PolylineMesh strip(double width) {
 PolylineMesh slit(double width) {
   PolylineMesh mesh;
   const double l = 0.5 - width / 2, r = 0.5 + width / 2;
-  const Points border =
-      polygon({at(0, 0), at(1, 0), at(1, 1), at(r, 1), at(r, 0.5), at(l, 0.5), at(l, 1), at(0, 1), at(0, 0)}, 100);
+  const Points border = polygon(
+      {at(0, 0), at(1, 0), at(1, 1), at(r, 1), at(r, 0.5), at(l, 0.5), at(l, 1), at(0, 1), at(0, 0)}, 100);
   insert(mesh, {border, true}, 1e-5);
   return mesh;
 }
@@ -94,22 +94,23 @@ DrawnStroke shaken(DrawnStroke stroke, std::uint64_t seed) {
 // the snapping distance.
 TEST(Contacts, CurvesNearerThanTwiceTheSnapAreStillTwo) {
   const DrawnStroke across = line({at(0, 0.4), at(1, 0.4)}), higher = line({at(0, 0.75), at(1, 0.75)});
-  const DrawnStroke ring{
-      polygon({at(0.2, 0.2), at(0.8, 0.2), at(0.8, 0.8), at(0.2, 0.8), at(0.2, 0.2)}, 100), true};
+  const DrawnStroke ring{polygon({at(0.2, 0.2), at(0.8, 0.2), at(0.8, 0.8), at(0.2, 0.8), at(0.2, 0.2)}, 100),
+                         true};
   const auto to = [](double x) { return line({at(0, 0.4), at(x, 0.4)}); };
   for (const bool by_hand : {false, true}) {
     const auto drawn = [&](const DrawnStroke& stroke) { return by_hand ? shaken(stroke, 5) : stroke; };
     for (const double snaps : {6.0, 3.9, 2.1, 1.9, 1.5, 1.0, 0.5, 0.2}) {
       const double w = snaps * kSnap;
       SCOPED_TRACE(concat(snaps, by_hand ? " snaps, by hand" : " snaps"));
-      // Square and strip: V 8, E 10, F 3, borders 1. Each crossing adds a vertex and divides an edge and a face.
+      // Square and strip: V 8, E 10, F 3, borders 1. Each crossing adds a vertex and divides an edge and a
+      // face.
       EXPECT_EQ(counts_after(strip(w), drawn(across)), (SketchCounts{4, 12, 17, 6, 1, 1, 0}));
       EXPECT_EQ(counts_after(strip(w), drawn(to(0.5 + w))), (SketchCounts{4, 11, 15, 5, 1, 1, 0}));
       EXPECT_EQ(counts_after(strip(w), drawn(to(0.5))), (SketchCounts{4, 10, 13, 4, 1, 1, 0}));
       EXPECT_EQ(counts_after(strip(w), drawn(ring)), (SketchCounts{4, 16, 22, 7, 1, 1, 0}));
       const auto more = [](SketchCounts counts, int vertices, int edges, int faces, int borders) {
-        return SketchCounts{counts.curves + 1,     counts.vertices + vertices, counts.edges + edges,
-                            counts.faces + faces,  counts.components,          counts.boundary_loops + borders,
+        return SketchCounts{counts.curves + 1,    counts.vertices + vertices, counts.edges + edges,
+                            counts.faces + faces, counts.components,          counts.boundary_loops + borders,
                             counts.genus};
       };
       // Over the slit the stroke is a lid: the opening, which is also the outside, is closed by two faces.
@@ -122,7 +123,8 @@ TEST(Contacts, CurvesNearerThanTwiceTheSnapAreStillTwo) {
 // The nearer one where a stroke ends beside two curves.
 TEST(Contacts, StrokeEndsOnTheNearerOfTwo) {
   PolylineMesh mesh = strip(0.8 * kSnap);
-  for (const auto& [past, curve] : {std::pair(-0.1, 1), std::pair(0.1, 1), std::pair(0.7, 2), std::pair(0.9, 2)}) {
+  for (const auto& [past, curve] :
+       {std::pair(-0.1, 1), std::pair(0.1, 1), std::pair(0.7, 2), std::pair(0.9, 2)}) {
     const Stroke stroke =
         prepare_stroke(line({at(0, 0.4), at(0.5 + past * kSnap, 0.4)}).points, {.snap = kSnap});
     const auto contacts = detail::find_contacts(mesh, stroke, kSnap);
@@ -148,9 +150,10 @@ TEST(Contacts, CurvesOnBothSidesOfAStrokeAreRefusedWithARemedy) {
     insert(mesh, stroke, kSnap);
     FAIL() << "was not refused";
   } catch (const RefusedEdit& refused) {
-    EXPECT_EQ(refused.reason(),
-              "the stroke meets c1 and c2 in places 0.015 apart, too near each other for the snapping distance of "
-              "0.01 to tell which is meant");
+    EXPECT_EQ(
+        refused.reason(),
+        "the stroke meets c1 and c2 in places 0.015 apart, too near each other for the snapping distance of "
+        "0.01 to tell which is meant");
     EXPECT_EQ(refused.remedy(), "give a snap of 0.0076 or less, or draw it clear of one of them");
   }
   const SketchCounts before = mesh.counts();
@@ -183,8 +186,8 @@ TEST(Contacts, WayThereAndBackMeetsACurveTwice) {
                                   at(0.3, y + 0.2), at(0.3, y - 0.1), at(0.5, y)},
                                  100),
                          true};
-  // Both crossings are corners of the stroke or near them; four corners more. The faces on both sides are divided
-  // by a piece from crossing to crossing.
+  // Both crossings are corners of the stroke or near them; four corners more. The faces on both sides are
+  // divided by a piece from crossing to crossing.
   const SketchCounts counts = counts_after(mesh, loop);
   EXPECT_EQ(counts.vertices, 12);
   EXPECT_EQ(counts.faces, 4);
