@@ -140,8 +140,9 @@ Relation relation(const PolylineMesh& mesh, const Stroke& stroke, const StrokeCo
                   const StrokeContact& b, double snap) {
   double along = std::abs(a.arc - b.arc);
   if (stroke.closed) along = std::min(along, stroke.length - along);
+  if (along > 4 * snap) return Relation::kApart;
   const double apart = (a.position - b.position).norm();
-  if (along > 4 * snap || apart > 2 * snap) return Relation::kApart;
+  if (apart > 2 * snap) return Relation::kApart;
   if (a.vertex >= 0 && a.vertex == b.vertex) return Relation::kOne;
   const bool has_vertex = a.vertex >= 0 || b.vertex >= 0;
   const bool is_near = near_along_edges(mesh, a, b, 4 * snap);
