@@ -25,6 +25,11 @@ constexpr double kReflexFrom = 1.15 * kPi;
 /// A projection that shortens a piece of the boundary to less than this is no picture of the face.
 constexpr double kLeastLength = 0.6;
 
+/// A side of a quadrilateral that is so many times longer than those beside it is divided into parts, and so
+/// many at most.
+constexpr double kLongPiece = 4;
+constexpr int kMostParts = 16;
+
 size_t at(int i) {
   return static_cast<size_t>(i);
 }
@@ -105,17 +110,41 @@ class Splitter {
 
   /// @param divide cut off concave corners first.
   FaceSplit run(bool divide) {
-    positions_.clear();
-    for (Index i = 0; i < boundary_.rows(); ++i) positions_.push_back(boundary_.row(i));
-    quads_.clear();
+    begin();
     std::vector<Chain> whole;
     for (int k = 0; k < n_sides_; ++k) {
       Chain chain;
       for (int i = 0; i <= m_; ++i) chain.push_back((k * m_ + i) % static_cast<int>(boundary_.rows()));
       whole.push_back(std::move(chain));
     }
-    n_pieces_ = 0;
     divide_piece(std::move(whole), divide);
+    return result();
+  }
+
+  /// A quadrilateral as rows and columns of quads. @param corners its corners, numbers of sides; as many
+  /// sides lie between the first two as between the last.
+  FaceSplit run_grid(const std::vector<size_t>& corners) {
+    begin();
+    fill_grid(corners);
+    FaceSplit split = result();
+    split.is_grid = true;
+    return split;
+  }
+
+  bool is_valid() const { return !folded(0); }
+
+ private:
+  /// The vertices of one side of a piece, from corner to corner.
+  using Chain = std::vector<int>;
+
+  void begin() {
+    positions_.clear();
+    for (Index i = 0; i < boundary_.rows(); ++i) positions_.push_back(boundary_.row(i));
+    quads_.clear();
+    n_pieces_ = 0;
+  }
+
+  FaceSplit result() const {
     FaceSplit split;
     split.domain.resize(static_cast<Index>(positions_.size()), 2);
     for (size_t v = 0; v < positions_.size(); ++v)
@@ -125,10 +154,6 @@ class Splitter {
     split.n_pieces = n_pieces_;
     return split;
   }
-
- private:
-  /// The vertices of one side of a piece, from corner to corner.
-  using Chain = std::vector<int>;
 
   int add(const Vector2d& position) {
     positions_.push_back(position);
@@ -268,6 +293,38 @@ class Splitter {
     if (folded(first_quad)) relax(first_quad, first_inner);
   }
 
+  void fill_grid(const std::vector<size_t>& corners) {
+    const int n = static_cast<int>(boundary_.rows()), first_inner = n;
+    const auto vertex = [&](size_t corner) { return static_cast<int>(corners[corner]) * m_; };
+    const int columns = vertex(1) - vertex(0), rows = vertex(2) - vertex(1);
+    Eigen::MatrixXi grid(columns + 1, rows + 1);
+    for (int i = 0; i <= columns; ++i) {
+      grid(i, 0) = vertex(0) + i;
+      grid(i, rows) = vertex(3) - i;
+    }
+    for (int j = 0; j <= rows; ++j) {
+      grid(columns, j) = vertex(1) + j;
+      grid(0, j) = (vertex(3) + rows - j) % n;
+    }
+    const auto q = [&](int i, int j) -> const Vector2d& { return p(grid(i, j)); };
+    for (int j = 1; j < rows; ++j)
+      for (int i = 1; i < columns; ++i) {
+        const double u = static_cast<double>(i) / columns, v = static_cast<double>(j) / rows;
+        grid(i, j) = add((1 - v) * q(i, 0) + v * q(i, rows) + (1 - u) * q(0, j) + u * q(columns, j) -
+                         (1 - u) * (1 - v) * q(0, 0) - u * (1 - v) * q(columns, 0) -
+                         (1 - u) * v * q(0, rows) - u * v * q(columns, rows));
+      }
+    for (int j = 0; j < rows; ++j)
+      for (int i = 0; i < columns; ++i) {
+        std::array<int, 4> quad{grid(i, j), grid(i + 1, j), grid(i + 1, j + 1), grid(i, j + 1)};
+        const bool right = i % m_ >= m_ / 2, upper = j % m_ >= m_ / 2;
+        std::rotate(quad.begin(), quad.begin() + (right ? (upper ? 2 : 1) : (upper ? 3 : 0)), quad.end());
+        quads_.push_back(quad);
+      }
+    n_pieces_ = 1;
+    if (folded(0)) relax(0, first_inner);
+  }
+
   bool folded(size_t from) const {
     for (size_t q = from; q < quads_.size(); ++q)
       for (const std::array<int, 3>& t : cut_along_corners(quads_[q]))
@@ -301,19 +358,15 @@ class Splitter {
     for (int v = 0; v < n; ++v) positions_[at(first_inner + v)] = solved.row(v);
   }
 
- public:
-  bool is_valid() const { return !folded(0); }
-
- private:
   int n_sides_, m_, n_pieces_ = 0;
   PlanePoints boundary_;
   std::vector<Vector2d> positions_;
   std::vector<std::array<int, 4>> quads_;
 };
 
-/// The boundary of a face with four corners on that of the unit square, by arc length between the corners;
-/// sides that go on smoothly count as one. Empty for other faces.
-PlanePoints unit_square(const std::vector<Points>& sides) {
+/// Where the four corners of a face are (numbers of sides, ascending), when sides that go on smoothly count
+/// as one; empty for other faces.
+std::vector<size_t> corners_of_quadrilateral(const std::vector<Points>& sides) {
   constexpr double kCornerFrom = kPi / 4;  // hands and holes do not make smooth joints quite straight
   const size_t n = sides.size();
   std::vector<std::pair<double, size_t>> turns;
@@ -326,36 +379,77 @@ PlanePoints unit_square(const std::vector<Points>& sides) {
   if (n < 4) return {};
   std::sort(turns.begin(), turns.end());
   if (n > 4 && (-turns[4].first > kCornerFrom || -turns[3].first < kCornerFrom)) return {};
-  std::array<size_t, 4> corners{};
-  for (size_t k = 0; k < 4; ++k) corners[k] = turns[k].second;
+  std::vector<size_t> corners;
+  for (size_t k = 0; k < 4; ++k) corners.push_back(turns[k].second);
   std::sort(corners.begin(), corners.end());
+  return corners;
+}
+
+double length_of(const Points& side) {
+  double length = 0;
+  for (Index j = 0; j + 1 < side.rows(); ++j) length += (side.row(j + 1) - side.row(j)).norm();
+  return length;
+}
+
+/// Lengths of the four sides of a quadrilateral with these corners.
+std::array<double, 4> lengths_between(const std::vector<Points>& sides, const std::vector<size_t>& corners) {
+  std::array<double, 4> lengths{};
+  for (size_t c = 0; c < 4; ++c)
+    for (size_t k = corners[c]; k != corners[(c + 1) % 4]; k = (k + 1) % sides.size())
+      lengths[c] += length_of(sides[k]);
+  return lengths;
+}
+
+/// The boundary of a face with four corners on that of a plane quadrilateral, by arc length between them.
+PlanePoints boundary_over(const std::vector<Points>& sides, const std::vector<size_t>& corners,
+                          const std::array<Vector2d, 4>& at_corner) {
+  const size_t n = sides.size();
   const Index m = sides[0].rows() - 1;
-  PlanePoints square(static_cast<Index>(n) * m, 2);
-  const std::array<Vector2d, 5> at_corner{Vector2d(0, 0), Vector2d(1, 0), Vector2d(1, 1), Vector2d(0, 1),
-                                          Vector2d(0, 0)};
+  const std::array<double, 4> lengths = lengths_between(sides, corners);
+  PlanePoints boundary(static_cast<Index>(n) * m, 2);
   for (size_t c = 0; c < 4; ++c) {
-    const size_t count = (corners[(c + 1) % 4] + n - corners[c]) % n;
-    double length = 0, arc = 0;
-    for (size_t i = 0; i < count; ++i) {
-      const Points& side = sides[(corners[c] + i) % n];
-      for (Index j = 0; j < m; ++j) length += (side.row(j + 1) - side.row(j)).norm();
-    }
-    for (size_t i = 0; i < count; ++i) {
-      const size_t k = (corners[c] + i) % n;
+    double arc = 0;
+    for (size_t k = corners[c]; k != corners[(c + 1) % 4]; k = (k + 1) % n)
       for (Index j = 0; j < m; ++j) {
-        const double t = arc / length;
-        square.row(static_cast<Index>(k) * m + j) = (1 - t) * at_corner[c] + t * at_corner[c + 1];
+        const double t = arc / lengths[c];
+        boundary.row(static_cast<Index>(k) * m + j) = (1 - t) * at_corner[c] + t * at_corner[(c + 1) % 4];
         arc += (sides[k].row(j + 1) - sides[k].row(j)).norm();
       }
-    }
   }
-  return square;
+  return boundary;
+}
+
+/// The corners, on a circle, of the quadrilateral with sides of these lengths; of the rectangle with their
+/// means where one is nearly as long as the others together.
+std::array<Vector2d, 4> quadrilateral(const std::array<double, 4>& lengths) {
+  const auto [a, b, c, d] = lengths;
+  const double longest = *std::max_element(lengths.begin(), lengths.end());
+  if (longest > 0.48 * (a + b + c + d)) {
+    const double width = (a + c) / 2, height = (b + d) / 2;
+    return {Vector2d(0, 0), Vector2d(width, 0), Vector2d(width, height), Vector2d(0, height)};
+  }
+  // Ptolemy's diagonals; the first corner is the origin, the second lies on the axis.
+  const double p2 = (a * c + b * d) * (a * d + b * c) / (a * b + c * d),
+               q2 = (a * c + b * d) * (a * b + c * d) / (a * d + b * c);
+  const auto apex = [&](double from_first, double from_second) {  // squared distances
+    const double x = (from_first - from_second + a * a) / (2 * a);
+    return Vector2d(x, std::sqrt(std::max(from_first - x * x, 0.0)));
+  };
+  return {Vector2d(0, 0), Vector2d(a, 0), apex(p2, b * b), apex(d * d, q2)};
+}
+
+/// The face is a quadrilateral with several sides between corners, as many on either side.
+bool has_grid(const std::vector<size_t>& corners, size_t n_sides) {
+  return corners.size() == 4 && n_sides > 4 && corners[1] - corners[0] == corners[3] - corners[2] &&
+         2 * (corners[2] - corners[0]) == n_sides;
 }
 
 FaceSplit lay_out(const std::vector<Points>& sides, int splits) {
   const int n_sides = static_cast<int>(sides.size()), m = 1 << splits;
   Points loop(n_sides * m, 3);
   for (int k = 0; k < n_sides; ++k) loop.middleRows(k * m, m) = sides[at(k)].topRows(m);
+  const std::vector<size_t> corners = corners_of_quadrilateral(sides);
+  const bool is_grid = has_grid(corners, sides.size());
   const Vector3d middle = loop.colwise().mean();
   Vector3d normal = Vector3d::Zero();
   double perimeter = 0;
@@ -377,14 +471,22 @@ FaceSplit lay_out(const std::vector<Points>& sides, int splits) {
                                   (loop.row((i + 1) % n) - loop.row(i)).norm());
     if (least > kLeastLength && is_simple(projected) && area_of(projected) > 0) {
       Splitter splitter(n_sides, splits, projected);
-      FaceSplit split = splitter.run(true);
-      if (splitter.is_valid()) {
+      for (const bool as_grid : {true, false}) {
+        if (as_grid && !is_grid) continue;
+        FaceSplit split = as_grid ? splitter.run_grid(corners) : splitter.run(true);
+        if (!splitter.is_valid()) continue;
         split.is_projection = true;
         return split;
       }
     }
   }
   // A convex polygon with sides of the same lengths: half a cylinder unrolls to its rectangle.
+  if (!corners.empty()) {
+    Splitter splitter(n_sides, splits,
+                      boundary_over(sides, corners, quadrilateral(lengths_between(sides, corners))));
+    FaceSplit split = is_grid ? splitter.run_grid(corners) : splitter.run(false);
+    if (splitter.is_valid()) return split;
+  }
   if (const PlanePoints polygon = cyclic_polygon(loop, n_sides); polygon.rows() > 0) {
     Splitter splitter(n_sides, splits, polygon);
     FaceSplit split = splitter.run(false);
@@ -405,13 +507,35 @@ FaceSplit lay_out(const std::vector<Points>& sides, int splits) {
 
 }  // namespace
 
+std::vector<int> parts_of_sides(const std::vector<Points>& sides) {
+  const size_t n = sides.size();
+  std::vector<int> parts(n, 1);
+  const std::vector<size_t> corners = corners_of_quadrilateral(sides);
+  if (corners.empty()) return parts;
+  const std::array<double, 4> lengths = lengths_between(sides, corners);
+  std::array<int, 4> counts{};
+  for (size_t c = 0; c < 4; ++c) counts[c] = static_cast<int>((corners[(c + 1) % 4] + n - corners[c]) % n);
+  for (size_t c = 0; c < 2; ++c) {
+    const double along = (lengths[c] + lengths[c + 2]) / (counts[c] + counts[c + 2]),
+                 across = (lengths[c + 1] + lengths[(c + 3) % 4]) / (counts[c + 1] + counts[(c + 3) % 4]);
+    if (!(along > kLongPiece * across)) continue;
+    // As many on both sides between the corners, so that the face gets rows and columns.
+    const int wanted = std::min(static_cast<int>(std::lround(2 * along / (kLongPiece * across))), kMostParts);
+    for (const size_t side : {c, c + 2})
+      for (size_t k = corners[side]; k != corners[(side + 1) % 4]; k = (k + 1) % n) parts[k] = wanted;
+  }
+  return parts;
+}
+
 FaceSplit split_face_into_quads(const std::vector<Points>& sides, int splits) {
   FaceSplit split = lay_out(sides, splits);
   if (split.n_pieces != 1) return split;
-  const PlanePoints square = unit_square(sides);
-  if (square.rows() == 0) return split;
-  Splitter splitter(static_cast<int>(sides.size()), splits, square);
-  split.square = splitter.run(false).domain;
+  const std::vector<size_t> corners = corners_of_quadrilateral(sides);
+  if (corners.empty()) return split;
+  Splitter splitter(
+      static_cast<int>(sides.size()), splits,
+      boundary_over(sides, corners, {Vector2d(0, 0), Vector2d(1, 0), Vector2d(1, 1), Vector2d(0, 1)}));
+  split.square = (split.is_grid ? splitter.run_grid(corners) : splitter.run(false)).domain;
   if (!splitter.is_valid()) split.square.resize(0, 2);
   return split;
 }

@@ -22,6 +22,7 @@ struct FaceSplit {
   /// third the one nearest to its centroid.
   std::vector<std::array<int, 4>> quads;
   int n_pieces = 0;
+  bool is_grid = false;  ///< one piece: rows and columns instead of quads around a centroid
   /// Of an undivided face of four corners (sides that go on smoothly count as one): another domain, the unit
   /// square; else 0 × 2.
   PlanePoints square;
@@ -29,6 +30,12 @@ struct FaceSplit {
   /// because the face overlaps itself in its plane or turns away from it.
   bool is_projection = false;
 };
+
+/// Into how many parts the sides of a face should be divided before it is split: more than 1 on long sides of
+/// a quadrilateral (sides that go on smoothly count as one), so that its quads are at most twice as long as
+/// wide or so.
+/// @param sides as below, with any number of points.
+std::vector<int> parts_of_sides(const std::vector<Points>& sides);
 
 /// @param sides the points of each side of a face in order, (2^splits + 1) × 3, the last of one being the
 /// first of the next; two sides or more.
