@@ -5,8 +5,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <map>
-#include <set>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
@@ -18,6 +16,7 @@
 #include "batten/sketch/cage_fit_detail.hpp"
 #include "batten/sketch/coons.hpp"
 #include "batten/sketch/curvature_flow_detail.hpp"
+#include "batten/sketch/face_parts_detail.hpp"
 #include "batten/sketch/face_split_detail.hpp"
 #include "batten/sketch/refined_mesh_detail.hpp"
 
@@ -69,7 +68,7 @@ struct FaceRecord {
   /// The flow would fold it: it stays as it started.
   bool frozen = false;
   std::vector<int> sides, inner;
-  std::vector<int> parts;  // per side: into how many the face wants it divided
+  detail::FaceSides measures;
   std::vector<std::array<int, 4>> quads;
   detail::PlanePoints domain;
   std::vector<std::array<int, 4>> domain_quads;  // the same quads in rows of `domain`
@@ -219,45 +218,29 @@ struct EditedSurface::Implementation {
       release(faces[f].inner);
       faces[f] = FaceRecord();
     };
-    std::set<int> touched;  // edges whose parts may have changed
     for (const size_t f : new_faces) {
-      for (const int side : faces[f].sides) touched.insert(edge_of(side));
       forget(f);
-      if (!face_now(f).alive) continue;
-      for (const int side : face_now(f).sides) touched.insert(edge_of(side));
-      faces[f].parts = parts_wanted(mesh, face_now(f));
+      if (face_now(f).alive) faces[f].measures = measures_of(mesh, face_now(f));
     }
-    std::map<int, int> new_parts;
-    for (const int e : touched) {
-      const SketchEdge& now = edge_now(at(e));
-      if (!now.alive) continue;
-      int& parts = new_parts[e];
-      parts = 1;
-      for (const int f : now.faces) {
-        if (f < 0) continue;
-        const std::vector<int>& sides = face_now(at(f)).sides;
-        for (size_t k = 0; k < sides.size(); ++k)
-          if (edge_of(sides[k]) == e) parts = std::max(parts, faces[at(f)].parts[k]);
-      }
-      // Faces on which nothing else has changed are split anew all the same.
-      if (!edges[at(e)].alive || edges[at(e)].parts == parts) continue;
-      for (const int f : now.faces)
+    std::vector<const detail::FaceSides*> measures(faces.size(), nullptr);
+    for (size_t f = 0; f < faces.size(); ++f)
+      if (face_now(f).alive) measures[f] = &faces[f].measures;
+    const std::vector<int> parts = detail::parts_of_edges(edges.size(), measures);
+    // Faces whose sides have other numbers of parts than before are split anew.
+    for (size_t e = 0; e < edges.size(); ++e) {
+      if (!edges[e].alive || !edge_now(e).alive || edges[e].parts == parts[e]) continue;
+      for (const int f : edge_now(e).faces)
         if (f >= 0 && faces[at(f)].alive) {
-          std::vector<int> wanted = std::move(faces[at(f)].parts);
+          detail::FaceSides kept = std::move(faces[at(f)].measures);
           forget(at(f));
-          faces[at(f)].parts = std::move(wanted);
+          faces[at(f)].measures = std::move(kept);
           new_faces.push_back(at(f));
         }
     }
     std::sort(new_faces.begin(), new_faces.end());
     const int n = 1 << options.splits;
-    const auto same_place = [&](size_t e) {
-      const auto parts = new_parts.find(static_cast<int>(e));
-      return edges[e].same_place(edge_now(e)) &&
-             (parts == new_parts.end() || parts->second == edges[e].parts);
-    };
     for (size_t e = 0; e < edges.size(); ++e)
-      if (edges[e].alive && !same_place(e)) {
+      if (edges[e].alive && !(edges[e].same_place(edge_now(e)) && edges[e].parts == parts[e])) {
         std::vector<int> inner(edges[e].chain.begin() + 1, edges[e].chain.end() - 1);
         release(inner);
         edges[e] = EdgeRecord();
@@ -279,8 +262,7 @@ struct EditedSurface::Implementation {
       EdgeRecord& edge = edges[e];
       if (!now.alive || edge.same(now)) continue;
       if (!edge.alive) {
-        const auto parts = new_parts.find(static_cast<int>(e));
-        if (parts != new_parts.end()) edge.parts = parts->second;
+        edge.parts = parts[e];
         const int count = n * edge.parts;
         const Points samples = now.drawn ? now.polyline->sampled(count) : course_of_tie(mesh, now, count);
         edge.chain.push_back(of_vertex[at(now.vertices[0])]);
@@ -298,17 +280,20 @@ struct EditedSurface::Implementation {
       if (face_now(f).alive) split(faces[f], face_now(f));
   }
 
-  /// Into how many parts the face wants each of its sides.
-  std::vector<int> parts_wanted(const PolylineMesh& mesh, const SketchFace& face) const {
+  detail::FaceSides measures_of(const PolylineMesh& mesh, const SketchFace& face) const {
     constexpr int kSamples = 8;
+    detail::FaceSides measures;
     std::vector<Points> sides;
     for (const int side : face.sides) {
       const SketchEdge& edge = mesh.edge(edge_of(side));
       Points samples = edge.drawn ? edge.polyline->sampled(kSamples) : course_of_tie(mesh, edge, kSamples);
       if (side & 1) samples = samples.colwise().reverse().eval();
+      measures.edges.push_back(edge_of(side));
+      measures.lengths.push_back(detail::polyline_length(samples));
       sides.push_back(std::move(samples));
     }
-    return detail::parts_of_sides(sides);
+    measures.corners = detail::corners_of_quadrilateral(sides);
+    return measures;
   }
 
   void split(FaceRecord& face, const SketchFace& now) {

@@ -9,6 +9,7 @@
 #include "batten/core/units.hpp"
 #include "batten/linalg/sparse_cholesky.hpp"
 #include "batten/mesh/predicates.hpp"
+#include "batten/sketch/face_parts_detail.hpp"
 #include "batten/sketch/face_split_detail.hpp"
 
 namespace batten::detail {
@@ -24,11 +25,6 @@ constexpr double kReflexFrom = 1.15 * kPi;
 
 /// A projection that shortens a piece of the boundary to less than this is no picture of the face.
 constexpr double kLeastLength = 0.6;
-
-/// A side of a quadrilateral that is so many times longer than those beside it is divided into parts, and so
-/// many at most.
-constexpr double kLongPiece = 4;
-constexpr int kMostParts = 16;
 
 size_t at(int i) {
   return static_cast<size_t>(i);
@@ -364,39 +360,12 @@ class Splitter {
   std::vector<std::array<int, 4>> quads_;
 };
 
-/// Where the four corners of a face are (numbers of sides, ascending), when sides that go on smoothly count
-/// as one; empty for other faces.
-std::vector<size_t> corners_of_quadrilateral(const std::vector<Points>& sides) {
-  constexpr double kCornerFrom = kPi / 4;  // hands and holes do not make smooth joints quite straight
-  const size_t n = sides.size();
-  std::vector<std::pair<double, size_t>> turns;
-  for (size_t k = 0; k < n; ++k) {
-    const Points &last = sides[(k + n - 1) % n], &next = sides[k];
-    const Vector3d in = last.row(last.rows() - 1) - last.row(last.rows() - 2),
-                   out = next.row(1) - next.row(0);
-    turns.emplace_back(-std::atan2(in.cross(out).norm(), in.dot(out)), k);
-  }
-  if (n < 4) return {};
-  std::sort(turns.begin(), turns.end());
-  if (n > 4 && (-turns[4].first > kCornerFrom || -turns[3].first < kCornerFrom)) return {};
-  std::vector<size_t> corners;
-  for (size_t k = 0; k < 4; ++k) corners.push_back(turns[k].second);
-  std::sort(corners.begin(), corners.end());
-  return corners;
-}
-
-double length_of(const Points& side) {
-  double length = 0;
-  for (Index j = 0; j + 1 < side.rows(); ++j) length += (side.row(j + 1) - side.row(j)).norm();
-  return length;
-}
-
 /// Lengths of the four sides of a quadrilateral with these corners.
 std::array<double, 4> lengths_between(const std::vector<Points>& sides, const std::vector<size_t>& corners) {
   std::array<double, 4> lengths{};
   for (size_t c = 0; c < 4; ++c)
     for (size_t k = corners[c]; k != corners[(c + 1) % 4]; k = (k + 1) % sides.size())
-      lengths[c] += length_of(sides[k]);
+      lengths[c] += polyline_length(sides[k]);
   return lengths;
 }
 
@@ -506,26 +475,6 @@ FaceSplit lay_out(const std::vector<Points>& sides, int splits) {
 }
 
 }  // namespace
-
-std::vector<int> parts_of_sides(const std::vector<Points>& sides) {
-  const size_t n = sides.size();
-  std::vector<int> parts(n, 1);
-  const std::vector<size_t> corners = corners_of_quadrilateral(sides);
-  if (corners.empty()) return parts;
-  const std::array<double, 4> lengths = lengths_between(sides, corners);
-  std::array<int, 4> counts{};
-  for (size_t c = 0; c < 4; ++c) counts[c] = static_cast<int>((corners[(c + 1) % 4] + n - corners[c]) % n);
-  for (size_t c = 0; c < 2; ++c) {
-    const double along = (lengths[c] + lengths[c + 2]) / (counts[c] + counts[c + 2]),
-                 across = (lengths[c + 1] + lengths[(c + 3) % 4]) / (counts[c + 1] + counts[(c + 3) % 4]);
-    if (!(along > kLongPiece * across)) continue;
-    // As many on both sides between the corners, so that the face gets rows and columns.
-    const int wanted = std::min(static_cast<int>(std::lround(2 * along / (kLongPiece * across))), kMostParts);
-    for (const size_t side : {c, c + 2})
-      for (size_t k = corners[side]; k != corners[(side + 1) % 4]; k = (k + 1) % n) parts[k] = wanted;
-  }
-  return parts;
-}
 
 FaceSplit split_face_into_quads(const std::vector<Points>& sides, int splits) {
   FaceSplit split = lay_out(sides, splits);

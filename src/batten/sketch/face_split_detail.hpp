@@ -31,12 +31,6 @@ struct FaceSplit {
   bool is_projection = false;
 };
 
-/// Into how many parts the sides of a face should be divided before it is split: more than 1 on long sides of
-/// a quadrilateral (sides that go on smoothly count as one), so that its quads are at most twice as long as
-/// wide or so.
-/// @param sides as below, with any number of points.
-std::vector<int> parts_of_sides(const std::vector<Points>& sides);
-
 /// @param sides the points of each side of a face in order, (2^splits + 1) × 3, the last of one being the
 /// first of the next; two sides or more.
 /// Every triangle that cut_along_corners() makes of the quads is counter-clockwise in the domain.

@@ -158,6 +158,12 @@ class EdgeNeighbours {
   std::vector<Edge> edges_;
 };
 
+/// Side k of a triangle is sharp.
+bool is_crease(const FlowMesh& mesh, int triangle, int k) {
+  return mesh.sharpness[at(mesh.triangles(triangle, k))] > 0 &&
+         mesh.sharpness[at(mesh.triangles(triangle, (k + 1) % 3))] > 0;
+}
+
 /// Σ θ² l² / A over the edges of some triangles, with θ the angle between the normals on both sides and A the
 /// area of both: the bending energy of a polyhedron, for two ways to place the vertices. Creases are free to
 /// bend, and so are edges that bend sharply either way: what lies beyond them does not tell which is better.
@@ -168,7 +174,7 @@ std::array<double, 2> bending(const FlowMesh& mesh, const std::array<const Point
     for (int k = 0; k < 3; ++k) {
       const int from = mesh.triangles(t, k), to = mesh.triangles(t, (k + 1) % 3);
       const int other = neighbours.across(t, k);
-      if (other < 0 || (mesh.sharpness[at(from)] > 0 && mesh.sharpness[at(to)] > 0)) continue;
+      if (other < 0 || is_crease(mesh, t, k)) continue;
       std::array<double, 2> angle{}, energy{};
       for (size_t way = 0; way < 2; ++way) {
         const Points& X = *positions[way];
@@ -226,7 +232,7 @@ void choose_beginnings(FlowMesh& mesh) {
       for (const int t : triangles_of[cluster[k]])
         for (int side = 0; side < 3; ++side) {
           const int other = neighbours.across(t, side);
-          if (other < 0 || !open[at(mesh.patch[at(other)])]) continue;
+          if (other < 0 || !open[at(mesh.patch[at(other)])] || is_crease(mesh, t, side)) continue;
           open[at(mesh.patch[at(other)])] = 0;
           cluster.push_back(at(mesh.patch[at(other)]));
         }

@@ -66,7 +66,8 @@ SparseMatrix unevenness(const ControlCage& cage, const std::vector<char>& free,
   for (size_t v = 0; v < free.size(); ++v) left_out[v] = !free[v];
   for (const SharpEdge& edge : cage.sharp_edges) left_out[at(edge.from)] = left_out[at(edge.to)] = 1;
   std::vector<double> valence(exact.size(), 0);
-  std::vector<Index> first_less_last(exact.size(), 0);  // of the neighbours around a vertex: 0 where they close
+  std::vector<Index> first_less_last(exact.size(),
+                                     0);  // of the neighbours around a vertex: 0 where they close
   for (size_t first = 0; first < cage.mesh.corners.size(); first += 4)
     for (size_t k = 0; k < 4; ++k) {
       const size_t v = at(cage.mesh.corners[first + k]);
