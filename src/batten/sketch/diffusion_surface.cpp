@@ -70,6 +70,10 @@ struct FaceRecord {
   std::vector<int> sides, inner;
   detail::FaceSides measures;
   std::vector<std::array<int, 4>> quads;
+  /// Edges of quads that are sharp in the cage, though nothing was drawn: at corners between sharp sides the
+  /// rules of Catmull–Clark are those of convex corners, and fold the surface where the face is concave. So
+  /// the cut from there divides it into corners that are not.
+  std::vector<std::array<int, 2>> relief;
   detail::PlanePoints domain;
   std::vector<std::array<int, 4>> domain_quads;  // the same quads in rows of `domain`
   Box box{Vector3d::Zero(), Vector3d::Zero()};
@@ -321,6 +325,17 @@ struct EditedSurface::Implementation {
     for (const std::array<int, 4>& quad : made.quads)
       face.quads.push_back(
           {vertices[at(quad[0])], vertices[at(quad[1])], vertices[at(quad[2])], vertices[at(quad[3])]});
+    const auto is_sharp_corner = [&](int v) {  // a vertex of the boundary
+      for (size_t k = 0; k < now.sides.size(); ++k) {
+        const size_t before = (k + now.sides.size() - 1) % now.sides.size();
+        if (along(now.sides[k]).front() == vertices[at(v)])
+          return edges[at(edge_of(now.sides[k]))].sharpness >= 1 &&
+                 edges[at(edge_of(now.sides[before]))].sharpness >= 1;
+      }
+      return false;
+    };
+    for (const auto& [corner, next] : made.cuts)
+      if (is_sharp_corner(corner)) face.relief.push_back({vertices[at(corner)], vertices[at(next)]});
     face.is_coons = made.square.rows() > 0;
     if (face.is_coons) {
       Points loop(made.n_boundary, 3);
@@ -441,6 +456,9 @@ struct EditedSurface::Implementation {
         part.mesh.offsets.push_back(static_cast<int>(part.mesh.corners.size()));
         part.face_of_quad.push_back(f);
       }
+    for (const int f : set.list)
+      for (const auto& [corner, next] : faces[at(f)].relief)
+        part.sharp_edges.push_back({local[at(corner)], local[at(next)], kInfinitelySharp});
     const size_t n = part.vertices.size();
     part.complete.assign(n, 1);
     part.border.assign(n, 0);
@@ -772,6 +790,9 @@ DiffusionSurface EditedSurface::surface(const PolylineMesh& mesh) const {
       refined.offsets.push_back(static_cast<int>(refined.corners.size()));
       surface.face_of_quad.push_back(static_cast<int>(f));
     }
+  for (const FaceRecord& face : own.faces)
+    for (const auto& [corner, next] : face.relief)
+      surface.refined.sharp_edges.push_back({number[at(corner)], number[at(next)], kInfinitelySharp});
   detail::turn_outwards(mesh, refined, surface.face_of_quad);
   surface.cage = surface.refined;
   for (size_t v = 0; v < order.size(); ++v)

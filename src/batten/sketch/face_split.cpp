@@ -22,9 +22,14 @@ using Eigen::Vector3d;
 
 /// Corners that turn in by less than this are left alone: hands do not draw straight angles.
 constexpr double kReflexFrom = 1.15 * kPi;
+/// What is left of a concave corner may be cut again while it is wider than this: three right angles make it
+/// regular.
+constexpr double kWideFrom = 0.8 * kPi;
 
 /// A projection that shortens a piece of the boundary to less than this is no picture of the face.
 constexpr double kLeastLength = 0.6;
+
+constexpr double kWhole = std::numeric_limits<double>::infinity();
 
 size_t at(int i) {
   return static_cast<size_t>(i);
@@ -104,16 +109,19 @@ class Splitter {
   Splitter(int n_sides, int splits, PlanePoints boundary)
       : n_sides_(n_sides), m_(1 << splits), boundary_(std::move(boundary)) {}
 
-  /// @param divide cut off concave corners first.
-  FaceSplit run(bool divide) {
+  /// @param widest angle that a concave corner may keep; infinite: the face stays whole.
+  FaceSplit run(double widest) {
     begin();
+    widest_ = widest;
     std::vector<Chain> whole;
     for (int k = 0; k < n_sides_; ++k) {
       Chain chain;
       for (int i = 0; i <= m_; ++i) chain.push_back((k * m_ + i) % static_cast<int>(boundary_.rows()));
       whole.push_back(std::move(chain));
     }
-    divide_piece(std::move(whole), divide);
+    concave_.assign(whole.size(), 0);
+    for (size_t k = 0; k < whole.size(); ++k) concave_[k] = angle_at(whole, k) > kReflexFrom;
+    divide_piece(std::move(whole));
     return result();
   }
 
@@ -129,6 +137,19 @@ class Splitter {
 
   bool is_valid() const { return !folded(0); }
 
+  /// How near the triangles come to equilateral ones: the mean of their quality by area, 0 to 1.
+  double shape() const {
+    double sum = 0, area = 0;
+    for (const std::array<int, 4>& quad : quads_)
+      for (const std::array<int, 3>& t : cut_along_corners(quad)) {
+        const Vector2d a = p(t[1]) - p(t[0]), b = p(t[2]) - p(t[1]), c = p(t[0]) - p(t[2]);
+        const double own = cross(a, b) / 2;
+        sum += own * 4 * std::sqrt(3.0) * own / (a.squaredNorm() + b.squaredNorm() + c.squaredNorm());
+        area += own;
+      }
+    return sum / area;
+  }
+
  private:
   /// The vertices of one side of a piece, from corner to corner.
   using Chain = std::vector<int>;
@@ -137,6 +158,7 @@ class Splitter {
     positions_.clear();
     for (Index i = 0; i < boundary_.rows(); ++i) positions_.push_back(boundary_.row(i));
     quads_.clear();
+    cuts_.clear();
     n_pieces_ = 0;
   }
 
@@ -148,6 +170,7 @@ class Splitter {
     split.n_boundary = static_cast<int>(boundary_.rows());
     split.quads = quads_;
     split.n_pieces = n_pieces_;
+    split.cuts = cuts_;
     return split;
   }
 
@@ -157,6 +180,9 @@ class Splitter {
   }
 
   const Vector2d& p(int v) const { return positions_[at(v)]; }
+
+  /// A vertex is a concave corner of the face.
+  bool is_concave(int v) const { return v < n_sides_ * m_ && v % m_ == 0 && concave_[at(v / m_)]; }
 
   /// The inner angle at corner k of a piece, 0 to 2π.
   double angle_at(const std::vector<Chain>& piece, size_t k) const {
@@ -196,12 +222,14 @@ class Splitter {
   }
 
   /// Cuts a piece at its most concave corner, again and again, where a straight line within it helps.
-  void divide_piece(std::vector<Chain> piece, bool divide) {
+  void divide_piece(std::vector<Chain> piece) {
     const size_t n = piece.size();
-    double worst = kReflexFrom;
+    double worst = 0;
     size_t reflex = n;
-    for (size_t k = 0; divide && n > 3 && k < n; ++k)
-      if (const double angle = angle_at(piece, k); angle > worst + 1e-6) worst = angle, reflex = k;
+    for (size_t k = 0; std::isfinite(widest_) && n > 3 && k < n; ++k) {
+      const double angle = angle_at(piece, k), from = is_concave(piece[k][0]) ? widest_ : kReflexFrom;
+      if (angle > std::max(from, worst) + 1e-6) worst = angle, reflex = k;
+    }
     size_t to = n;
     double best = std::numeric_limits<double>::infinity();
     for (size_t k = 0; reflex < n && k < n; ++k) {
@@ -230,12 +258,15 @@ class Splitter {
       line.push_back(add((1 - t) * p(piece[reflex][0]) + t * p(piece[to][0])));
     }
     line.push_back(piece[to][0]);
+    const bool both_concave = is_concave(piece[to][0]);
     Chain back(line.rbegin(), line.rend());
+    cuts_.push_back({line[0], line[1]});
+    if (both_concave) cuts_.push_back({back[0], back[1]});
     std::vector<Chain> first{line}, second{back};
     for (size_t k = to; k != reflex; k = (k + 1) % n) first.push_back(piece[k]);
     for (size_t k = reflex; k != to; k = (k + 1) % n) second.push_back(piece[k]);
-    divide_piece(std::move(first), divide);
-    divide_piece(std::move(second), divide);
+    divide_piece(std::move(first));
+    divide_piece(std::move(second));
   }
 
   /// The split of Catmull–Clark: n grids around the centroid, their inner vertices bilinearly blended from
@@ -358,6 +389,9 @@ class Splitter {
   PlanePoints boundary_;
   std::vector<Vector2d> positions_;
   std::vector<std::array<int, 4>> quads_;
+  std::vector<std::array<int, 2>> cuts_;
+  std::vector<char> concave_;  // per corner of the face
+  double widest_ = kReflexFrom;
 };
 
 /// Lengths of the four sides of a quadrilateral with these corners.
@@ -440,25 +474,34 @@ FaceSplit lay_out(const std::vector<Points>& sides, int splits) {
                                   (loop.row((i + 1) % n) - loop.row(i)).norm());
     if (least > kLeastLength && is_simple(projected) && area_of(projected) > 0) {
       Splitter splitter(n_sides, splits, projected);
-      for (const bool as_grid : {true, false}) {
-        if (as_grid && !is_grid) continue;
-        FaceSplit split = as_grid ? splitter.run_grid(corners) : splitter.run(true);
-        if (!splitter.is_valid()) continue;
+      if (is_grid) {
+        FaceSplit split = splitter.run_grid(corners);
         split.is_projection = true;
-        return split;
+        if (splitter.is_valid()) return split;
       }
+      FaceSplit best;
+      double best_shape = 0;
+      for (const double widest : {kReflexFrom, kWideFrom}) {
+        FaceSplit split = splitter.run(widest);
+        if (!splitter.is_valid() || !(splitter.shape() > 1.01 * best_shape)) continue;
+        best_shape = splitter.shape();
+        best = std::move(split);
+        if (best.n_pieces == 1) break;
+      }
+      best.is_projection = true;
+      if (best_shape > 0) return best;
     }
   }
   // A convex polygon with sides of the same lengths: half a cylinder unrolls to its rectangle.
   if (!corners.empty()) {
     Splitter splitter(n_sides, splits,
                       boundary_over(sides, corners, quadrilateral(lengths_between(sides, corners))));
-    FaceSplit split = is_grid ? splitter.run_grid(corners) : splitter.run(false);
+    FaceSplit split = is_grid ? splitter.run_grid(corners) : splitter.run(kWhole);
     if (splitter.is_valid()) return split;
   }
   if (const PlanePoints polygon = cyclic_polygon(loop, n_sides); polygon.rows() > 0) {
     Splitter splitter(n_sides, splits, polygon);
-    FaceSplit split = splitter.run(false);
+    FaceSplit split = splitter.run(kWhole);
     if (splitter.is_valid()) return split;
   }
   // A disc with the boundary by arc length: whatever the face, the split is a valid one there.
@@ -471,7 +514,7 @@ FaceSplit lay_out(const std::vector<Points>& sides, int splits) {
     arc += (loop.row((i + 1) % n) - loop.row(i)).norm();
   }
   Splitter splitter(n_sides, splits, disc);
-  return splitter.run(false);
+  return splitter.run(kWhole);
 }
 
 }  // namespace
@@ -484,7 +527,7 @@ FaceSplit split_face_into_quads(const std::vector<Points>& sides, int splits) {
   Splitter splitter(
       static_cast<int>(sides.size()), splits,
       boundary_over(sides, corners, {Vector2d(0, 0), Vector2d(1, 0), Vector2d(1, 1), Vector2d(0, 1)}));
-  split.square = (split.is_grid ? splitter.run_grid(corners) : splitter.run(false)).domain;
+  split.square = (split.is_grid ? splitter.run_grid(corners) : splitter.run(kWhole)).domain;
   if (!splitter.is_valid()) split.square.resize(0, 2);
   return split;
 }

@@ -22,6 +22,8 @@ struct FaceSplit {
   /// third the one nearest to its centroid.
   std::vector<std::array<int, 4>> quads;
   int n_pieces = 0;
+  /// Where concave corners are cut off: the corner, and the next vertex on the cut.
+  std::vector<std::array<int, 2>> cuts;
   bool is_grid = false;  ///< one piece: rows and columns instead of quads around a centroid
   /// Of an undivided face of four corners (sides that go on smoothly count as one): another domain, the unit
   /// square; else 0 × 2.
