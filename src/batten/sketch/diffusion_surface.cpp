@@ -297,6 +297,7 @@ struct EditedSurface::Implementation {
       sides.push_back(std::move(samples));
     }
     measures.corners = detail::corners_of_quadrilateral(sides);
+    measures.parts = detail::parts_at_concave_corners(sides);
     return measures;
   }
 

@@ -41,6 +41,13 @@ class Planner {
   }
 
   std::vector<int> run() {
+    for (const FaceSides* face : faces_) {
+      if (!face) continue;
+      for (size_t k = 0; k < face->edges.size(); ++k) {
+        int& parts = parts_[at(face->edges[k])];
+        parts = std::max(parts, face->parts[k]);
+      }
+    }
     for (const FaceSides* face : faces_)
       if (face && !face->corners.empty()) divide_long_pieces(*face);
     std::deque<int> waiting;

@@ -29,6 +29,8 @@ constexpr double kWideFrom = 0.8 * kPi;
 /// A projection that shortens a piece of the boundary to less than this is no picture of the face.
 constexpr double kLeastLength = 0.6;
 
+/// A vertex so near to the wanted direction of a cut will do.
+constexpr double kNearCut = 0.14 * kPi;
 constexpr double kWhole = std::numeric_limits<double>::infinity();
 
 size_t at(int i) {
@@ -106,23 +108,49 @@ PlanePoints cyclic_polygon(const Points& loop, int n_sides) {
 /// A face while it is divided.
 class Splitter {
  public:
-  Splitter(int n_sides, int splits, PlanePoints boundary)
-      : n_sides_(n_sides), m_(1 << splits), boundary_(std::move(boundary)) {}
+  /// @param m segments of each side.
+  Splitter(int n_sides, int m, PlanePoints boundary)
+      : n_sides_(n_sides), m_(m), boundary_(std::move(boundary)) {}
 
   /// @param widest angle that a concave corner may keep; infinite: the face stays whole.
   FaceSplit run(double widest) {
     begin();
     widest_ = widest;
-    std::vector<Chain> whole;
-    for (int k = 0; k < n_sides_; ++k) {
-      Chain chain;
-      for (int i = 0; i <= m_; ++i) chain.push_back((k * m_ + i) % static_cast<int>(boundary_.rows()));
-      whole.push_back(std::move(chain));
-    }
-    concave_.assign(whole.size(), 0);
-    for (size_t k = 0; k < whole.size(); ++k) concave_[k] = angle_at(whole, k) > kReflexFrom;
-    divide_piece(std::move(whole));
+    divide_piece(whole_face());
     return result();
+  }
+
+  /// Into how many parts the sides should be divided so that cuts from concave corners find a vertex where
+  /// the sides there, drawn on, would end: three right angles are then left. Nothing is asked for where a cut
+  /// to a vertex that is there does.
+  std::vector<int> parts_at_concave_corners() {
+    begin();
+    const std::vector<Chain> whole = whole_face();
+    const size_t n = whole.size();
+    std::vector<std::vector<double>> feet(n);  // per side: along it, 0 to 1
+    for (size_t c = 0; c < n; ++c) {
+      if (!concave_[c] || n < 4) continue;
+      const Vector2d here = p(whole[c][0]), next = p(whole[c][1]) - here;
+      const double angle = angle_at(whole, c);
+      const auto turned = [&](double by) -> Vector2d { return Eigen::Rotation2Dd(by) * next.normalized(); };
+      std::vector<double> cuts;  // that are there, as angles from the next side
+      for (size_t k = 0; k < n; ++k)
+        if (k != c && (k + 1) % n != c && (c + 1) % n != k && is_inside(whole, c, k))
+          cuts.push_back(angle_between(next, p(whole[k][0]) - here));
+      const auto has = [&](double low, double high) {
+        return std::any_of(cuts.begin(), cuts.end(), [&](double cut) { return cut > low && cut < high; });
+      };
+      if (has(angle - kWideFrom, kWideFrom)) continue;
+      for (const double wanted : {angle - kPi, kPi}) {
+        if (has(wanted - kNearCut, wanted + kNearCut)) continue;
+        if (const auto [side, along] = first_hit(here, turned(wanted)); side >= 0)
+          feet[at(side)].push_back(along);
+      }
+    }
+    std::vector<int> parts(n, 1);
+    for (size_t k = 0; k < n; ++k)
+      if (!feet[k].empty()) parts[k] = parts_through(feet[k]);
+    return parts;
   }
 
   /// A quadrilateral as rows and columns of quads. @param corners its corners, numbers of sides; as many
@@ -160,6 +188,49 @@ class Splitter {
     quads_.clear();
     cuts_.clear();
     n_pieces_ = 0;
+  }
+
+  std::vector<Chain> whole_face() {
+    std::vector<Chain> whole;
+    for (int k = 0; k < n_sides_; ++k) {
+      Chain chain;
+      for (int i = 0; i <= m_; ++i) chain.push_back((k * m_ + i) % static_cast<int>(boundary_.rows()));
+      whole.push_back(std::move(chain));
+    }
+    concave_.assign(whole.size(), 0);
+    for (size_t k = 0; k < whole.size(); ++k) concave_[k] = angle_at(whole, k) > kReflexFrom;
+    return whole;
+  }
+
+  /// Where a ray from a corner first meets the boundary again: the side and how far along it, or −1.
+  std::pair<int, double> first_hit(const Vector2d& from, const Vector2d& direction) const {
+    std::pair<int, double> hit(-1, 0);
+    double nearest = std::numeric_limits<double>::infinity();
+    const Index n = boundary_.rows();
+    for (Index i = 0; i < n; ++i) {
+      const Vector2d a = boundary_.row(i), b = boundary_.row((i + 1) % n);
+      const double det = cross(direction, b - a);
+      if (std::abs(det) <= 1e-12 * (b - a).norm()) continue;
+      const double distance = cross(a - from, b - a) / det, share = cross(a - from, direction) / det;
+      if (share < 0 || share > 1 || distance < 1e-6 * (b - a).norm() || distance >= nearest) continue;
+      nearest = distance;
+      hit = {static_cast<int>(i) / m_, (static_cast<double>(i % m_) + share) / m_};
+    }
+    return hit;
+  }
+
+  /// The fewest equal parts, up to four, whose ends come near all feet.
+  static int parts_through(const std::vector<double>& feet) {
+    int best = 2;
+    double least = 1;
+    for (int parts = 2; parts <= 4; ++parts) {
+      double worst = 0;
+      for (const double foot : feet)
+        worst =
+            std::max(worst, std::abs(foot - std::clamp(std::round(foot * parts), 1.0, parts - 1.0) / parts));
+      if (worst < 0.6 * least) least = worst, best = parts;
+    }
+    return best;
   }
 
   FaceSplit result() const {
@@ -447,33 +518,48 @@ bool has_grid(const std::vector<size_t>& corners, size_t n_sides) {
          2 * (corners[2] - corners[0]) == n_sides;
 }
 
-FaceSplit lay_out(const std::vector<Points>& sides, int splits) {
-  const int n_sides = static_cast<int>(sides.size()), m = 1 << splits;
-  Points loop(n_sides * m, 3);
-  for (int k = 0; k < n_sides; ++k) loop.middleRows(k * m, m) = sides[at(k)].topRows(m);
-  const std::vector<size_t> corners = corners_of_quadrilateral(sides);
-  const bool is_grid = has_grid(corners, sides.size());
+/// The boundary of a face, each side without its end.
+Points loop_of(const std::vector<Points>& sides) {
+  const Index m = sides[0].rows() - 1, n = static_cast<Index>(sides.size());
+  Points loop(n * m, 3);
+  for (Index k = 0; k < n; ++k) loop.middleRows(k * m, m) = sides[static_cast<size_t>(k)].topRows(m);
+  return loop;
+}
+
+/// The loop in its best plane; empty where it overlaps itself there or turns away from it.
+PlanePoints projection_of(const Points& loop) {
+  const Index n = loop.rows();
   const Vector3d middle = loop.colwise().mean();
   Vector3d normal = Vector3d::Zero();
   double perimeter = 0;
-  for (Index i = 0, n = loop.rows(); i < n; ++i) {
+  for (Index i = 0; i < n; ++i) {
     const Vector3d a = loop.row(i).transpose() - middle, b = loop.row((i + 1) % n).transpose() - middle;
     normal += a.cross(b);
     perimeter += (b - a).norm();
   }
-  if (normal.norm() > 1e-3 * perimeter * perimeter) {
-    const Vector3d z = normal.normalized(), x = z.unitOrthogonal(), y = z.cross(x);
-    PlanePoints projected(loop.rows(), 2);
-    for (Index i = 0; i < loop.rows(); ++i) {
-      const Vector3d offset = loop.row(i).transpose() - middle;
-      projected.row(i) << offset.dot(x), offset.dot(y);
-    }
-    double least = 1;
-    for (Index i = 0, n = loop.rows(); i < n; ++i)
-      least = std::min(least, (projected.row((i + 1) % n) - projected.row(i)).norm() /
-                                  (loop.row((i + 1) % n) - loop.row(i)).norm());
-    if (least > kLeastLength && is_simple(projected) && area_of(projected) > 0) {
-      Splitter splitter(n_sides, splits, projected);
+  if (!(normal.norm() > 1e-3 * perimeter * perimeter)) return {};
+  const Vector3d z = normal.normalized(), x = z.unitOrthogonal(), y = z.cross(x);
+  PlanePoints projected(n, 2);
+  for (Index i = 0; i < n; ++i) {
+    const Vector3d offset = loop.row(i).transpose() - middle;
+    projected.row(i) << offset.dot(x), offset.dot(y);
+  }
+  double least = 1;
+  for (Index i = 0; i < n; ++i)
+    least = std::min(least, (projected.row((i + 1) % n) - projected.row(i)).norm() /
+                                (loop.row((i + 1) % n) - loop.row(i)).norm());
+  if (!(least > kLeastLength) || !is_simple(projected) || !(area_of(projected) > 0)) return {};
+  return projected;
+}
+
+FaceSplit lay_out(const std::vector<Points>& sides, int splits) {
+  const int n_sides = static_cast<int>(sides.size());
+  const Points loop = loop_of(sides);
+  const std::vector<size_t> corners = corners_of_quadrilateral(sides);
+  const bool is_grid = has_grid(corners, sides.size());
+  if (const PlanePoints projected = projection_of(loop); projected.rows() > 0) {
+    {
+      Splitter splitter(n_sides, 1 << splits, projected);
       if (is_grid) {
         FaceSplit split = splitter.run_grid(corners);
         split.is_projection = true;
@@ -494,30 +580,39 @@ FaceSplit lay_out(const std::vector<Points>& sides, int splits) {
   }
   // A convex polygon with sides of the same lengths: half a cylinder unrolls to its rectangle.
   if (!corners.empty()) {
-    Splitter splitter(n_sides, splits,
+    Splitter splitter(n_sides, 1 << splits,
                       boundary_over(sides, corners, quadrilateral(lengths_between(sides, corners))));
     FaceSplit split = is_grid ? splitter.run_grid(corners) : splitter.run(kWhole);
     if (splitter.is_valid()) return split;
   }
   if (const PlanePoints polygon = cyclic_polygon(loop, n_sides); polygon.rows() > 0) {
-    Splitter splitter(n_sides, splits, polygon);
+    Splitter splitter(n_sides, 1 << splits, polygon);
     FaceSplit split = splitter.run(kWhole);
     if (splitter.is_valid()) return split;
   }
   // A disc with the boundary by arc length: whatever the face, the split is a valid one there.
   PlanePoints disc(loop.rows(), 2);
-  double arc = 0;
+  double arc = 0, perimeter = 0;
+  for (Index i = 0, n = loop.rows(); i < n; ++i) perimeter += (loop.row((i + 1) % n) - loop.row(i)).norm();
   for (Index i = 0, n = loop.rows(); i < n; ++i) {
     const double turn = 2 * kPi * (arc + 1e-3 * perimeter * static_cast<double>(i) / static_cast<double>(n)) /
                         (1.001 * perimeter);
     disc.row(i) << perimeter / (2 * kPi) * std::cos(turn), perimeter / (2 * kPi) * std::sin(turn);
     arc += (loop.row((i + 1) % n) - loop.row(i)).norm();
   }
-  Splitter splitter(n_sides, splits, disc);
+  Splitter splitter(n_sides, 1 << splits, disc);
   return splitter.run(kWhole);
 }
 
 }  // namespace
+
+std::vector<int> parts_at_concave_corners(const std::vector<Points>& sides) {
+  std::vector<int> parts(sides.size(), 1);
+  if (const PlanePoints projected = projection_of(loop_of(sides)); projected.rows() > 0)
+    parts = Splitter(static_cast<int>(sides.size()), static_cast<int>(sides[0].rows()) - 1, projected)
+                .parts_at_concave_corners();
+  return parts;
+}
 
 FaceSplit split_face_into_quads(const std::vector<Points>& sides, int splits) {
   FaceSplit split = lay_out(sides, splits);
@@ -525,7 +620,7 @@ FaceSplit split_face_into_quads(const std::vector<Points>& sides, int splits) {
   const std::vector<size_t> corners = corners_of_quadrilateral(sides);
   if (corners.empty()) return split;
   Splitter splitter(
-      static_cast<int>(sides.size()), splits,
+      static_cast<int>(sides.size()), 1 << splits,
       boundary_over(sides, corners, {Vector2d(0, 0), Vector2d(1, 0), Vector2d(1, 1), Vector2d(0, 1)}));
   split.square = (split.is_grid ? splitter.run_grid(corners) : splitter.run(kWhole)).domain;
   if (!splitter.is_valid()) split.square.resize(0, 2);

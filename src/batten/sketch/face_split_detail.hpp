@@ -33,6 +33,11 @@ struct FaceSplit {
   bool is_projection = false;
 };
 
+/// Parts per side, mostly 1: into how many it should be divided before the face is split, so that cuts from
+/// concave corners find a vertex opposite. @param sides as below, with any number of points, the same on
+/// each.
+std::vector<int> parts_at_concave_corners(const std::vector<Points>& sides);
+
 /// @param sides the points of each side of a face in order, (2^splits + 1) × 3, the last of one being the
 /// first of the next; two sides or more.
 /// Every triangle that cut_along_corners() makes of the quads is counter-clockwise in the domain.
