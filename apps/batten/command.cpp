@@ -108,6 +108,7 @@ int run_chosen() {
     print(outcome);
     std::cout.flush();
     if (!std::cout) return fail(kBadInput, "standard output cannot be written");
+    if (!outcome.refusal.empty()) return fail(kBadInput, outcome.refusal);
     return outcome.failure.empty() ? kOk : fail(kWorkFailed, outcome.failure);
   } catch (const CLI::Error& error) {
     return fail(kBadUsage, error.what());

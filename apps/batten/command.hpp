@@ -34,6 +34,7 @@ struct Outcome {
   std::vector<std::string> lines;     ///< printed to stdout without --json
   Exhibit exhibit;                    ///< drawn by --report; may be empty
   std::string failure;  ///< a sentence: the result is printed all the same, and the exit code is 1
+  std::string refusal;  ///< the same where the input is to blame; the exit code is 3
 };
 
 /// The surroundings of a command that runs.

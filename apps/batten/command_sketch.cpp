@@ -206,8 +206,16 @@ Outcome run_sketch(const SketchArguments& arguments, Context& context) {
                                  " vertices, ", counts.faces, " faces, ", counts.components, " component",
                                  counts.components == 1 ? "" : "s", ", ", counts.boundary_loops, " border",
                                  counts.boundary_loops == 1 ? "" : "s", ", genus ", counts.genus));
-  if (!arguments.surface.empty() || !arguments.step.empty())
-    make_surface(arguments, project, context, outcome);
+  if (!arguments.surface.empty() || !arguments.step.empty()) {
+    try {
+      make_surface(arguments, project, context, outcome);
+    } catch (const FileError&) {
+      throw;
+    } catch (const InvalidInput& error) {  // the model and what was refused of it are told all the same
+      outcome.figures["surface"] = {{"error", error.what()}};
+      outcome.refusal = error.what();
+    }
+  }
   const auto n_refused = outcome.figures["refused"].size();
   if (arguments.strict && n_refused > 0)
     outcome.failure =

@@ -62,6 +62,22 @@ TEST(SketchCommand, RefusedEditsAreListedAndStrictMakesThemFail) {
   run_json("sketch refused.jsonl -o refused.batten --strict", 1);
 }
 
+// What was refused is the reason why there is no surface: it must not be lost with it.
+TEST(SketchCommand, RefusedEditsAreToldEvenWhereThereIsNoSurface) {
+  write_file("open.jsonl",
+             std::string(kHeader) + "{\"op\":\"insert\",\"points\":[[0,0,0],[1,0,0],[1,1,0]]}\n");
+  const Json json = run_json("sketch open.jsonl -o open.batten --surface open.ply", 3);
+  ASSERT_EQ(json["refused"].size(), 1u);
+  EXPECT_EQ(json["refused"][0]["line"], 2);
+  EXPECT_EQ(json["faces"], 0);
+  EXPECT_NE(json["surface"]["error"].get<std::string>().find("no faces"), std::string::npos);
+  EXPECT_FALSE(file_exists("open.ply"));
+  const auto run = run_batten("sketch open.jsonl -o open.batten --surface open.ply");
+  EXPECT_EQ(run.exit_code, 3);
+  EXPECT_NE(run.out.find("line 2: insert refused: the first curve is open"), std::string::npos) << run.out;
+  EXPECT_NE(run.err.find("no faces"), std::string::npos) << run.err;
+}
+
 TEST(SketchCommand, BadFilesEndWithThreeAndTheLine) {
   write_file("bad.jsonl", std::string(kHeader) + kSquare + "{\"op\":\"cut\"}\n");
   auto run = run_batten("sketch bad.jsonl -o bad.batten");

@@ -77,6 +77,12 @@ TEST(EditJson, MistakesAreNamed) {
   expect(R"({"op":"delete","curve":"v3"})", "the id of a curve");
   expect(R"({"op":"transform","matrix":[1,2,3]})", "16 numbers");
   expect(R"({"op":"skin","profiles":[],"spines":[]})", "two objects");
+  // Depth and length have no bound in a file; sentences have.
+  const std::string deep = std::string(200000, '[') + std::string(200000, ']');
+  expect(R"({"op":"insert","points":)" + deep + "}", "point 0 is a list of 1");
+  std::string wide = "0";
+  for (int k = 0; k < 100000; ++k) wide += ",0";
+  expect(R"({"op":"insert","points":[[)" + wide + "]]}", "point 0 is a list of 100001");
 }
 
 TEST(Session, ErrorsCarryTheLine) {

@@ -416,6 +416,42 @@ TEST(Sharpness, TagsAPartBetweenTwoVertices) {
                   "v999");
 }
 
+TEST(InsertCurve, SnappingFartherThanTheStrokeIsToldAsSuch) {
+  PolylineMesh mesh;
+  insert(mesh, circle(kO, kX, kY));
+  InsertOptions wide;
+  wide.snap = 1000;
+  const std::string sentence = refusal(mesh, [&](PolylineMesh& m) {
+    return insert_curve(m, {polygon({kX, kZ, -kX}), false}, wide);
+  });
+  EXPECT_CONTAINS(sentence, "within the snapping distance of 1e+03 both of its ends are one place");
+  EXPECT_CONTAINS(sentence, "smaller snapping distance");
+}
+
+// What squares of coordinates cannot hold is refused, whatever the determinant says.
+TEST(Transform, ModelsStayWithinTheRangeOfNumbers) {
+  PolylineMesh mesh;
+  EXPECT_CONTAINS(
+      refusal(mesh, [](PolylineMesh& m) { return transform_model(m, Eigen::Matrix4d::Identity()); }),
+      "nothing to move");
+  mesh = octahedral_sphere();
+  const auto scaled = [&](double x, double y, double z) {
+    const Eigen::Matrix4d matrix = Eigen::Vector4d(x, y, z, 1).asDiagonal();
+    return refusal(mesh, [&](PolylineMesh& m) { return transform_model(m, matrix); });
+  };
+  EXPECT_CONTAINS(scaled(1e300, 1e300, 1e300), "beyond 1e+100");
+  EXPECT_CONTAINS(scaled(1e-300, 1e-300, 1e-300), "below 1e-100");
+  EXPECT_CONTAINS(scaled(1, 1, 0), "flattens");
+  EXPECT_CONTAINS(scaled(0, 0, 0), "flattens");
+  for (const double size : {1e-40, 1e40}) {  // cubes of these are out of range, the model is not
+    const Eigen::Matrix4d matrix = Eigen::Vector4d(size, size, size, 1).asDiagonal();
+    edit(mesh, [&](PolylineMesh& m) { return transform_model(m, matrix); });
+    EXPECT_EQ(mesh.broken_invariant(), "");
+    const Eigen::Matrix4d back = Eigen::Vector4d(1 / size, 1 / size, 1 / size, 1).asDiagonal();
+    edit(mesh, [&](PolylineMesh& m) { return transform_model(m, back); });
+  }
+}
+
 TEST(Transform, MirrorsTurnFacesSoThatTheyStayOutside) {
   PolylineMesh mesh = octahedral_sphere();
   const auto volume = [](const PolylineMesh& m) {  // of the octahedron of the corners

@@ -14,6 +14,16 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+/// A value in a sentence: as it stands where it is short. Nesting has no bound in JSON, so that what is
+/// nested is not written out.
+std::string shown(const Json& value) {
+  constexpr size_t kMostShown = 8;
+  if (!value.is_structured()) return value.dump().substr(0, 60);
+  const bool flat = std::none_of(value.begin(), value.end(), [](const Json& x) { return x.is_structured(); });
+  if (value.is_array() && flat && value.size() <= kMostShown) return value.dump().substr(0, 200);
+  return value.is_array() ? concat("a list of ", value.size()) : std::string("an object");
+}
+
 /// The fields of one object, each to be taken once; what is left over is unknown.
 class Fields {
  public:
@@ -73,7 +83,7 @@ class Fields {
       const Json& point = value[i];
       if (!point.is_array() || point.size() != 3 ||
           !std::all_of(point.begin(), point.end(), [](const Json& x) { return x.is_number(); }))
-        fail(name, concat("a list of points [x, y, z]; point ", i, " is ", point.dump()));
+        fail(name, concat("a list of points [x, y, z]; point ", i, " is ", shown(point)));
       for (size_t k = 0; k < 3; ++k)
         points(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) = point[k].get<double>();
     }
@@ -312,7 +322,7 @@ std::string parse_session_header(std::string_view text) {
   }
   if (!line.is_object() || !line.contains("batten_session")) throw InvalidInput(expected);
   if (line["batten_session"] != 1)
-    throw InvalidInput(concat("this is version ", line["batten_session"].dump(),
+    throw InvalidInput(concat("this is version ", shown(line["batten_session"]),
                               " of the session format; version 1 is known"));
   const Fields fields(line, "the header", {"batten_session", "unit"});
   const Json* unit = fields.find("unit");

@@ -28,12 +28,8 @@ std::vector<StrokeContact> end_contacts(const PolylineMesh& mesh, const Stroke& 
                                         const char* which) {
   std::vector<StrokeContact> contacts = detail::find_contacts(mesh, stroke, snap);
   const auto far = [&](Eigen::Index row, const char* verb) {
-    const auto place = detail::nearest_place(mesh, stroke.points.row(row));
-    throw RefusedEdit(concat("the ", which, " stroke ", verb, " ", detail::text_of_length(place.distance),
-                             " from the nearest curve, c", mesh.edge(place.edge).curve,
-                             ", more than the snapping distance of ", detail::text_of_length(snap)),
-                      concat("draw it from border to border, or give a snap of ",
-                             detail::text_of_length(1.05 * place.distance), " or more"));
+    detail::refuse_end(mesh, stroke.points.row(row), concat("the ", which, " stroke ", verb), snap,
+                       "border to border");
   };
   if (contacts.empty() || contacts.front().arc > 0) far(0, "starts");
   if (contacts.size() < 2 || contacts.back().arc < stroke.length) far(stroke.points.rows() - 1, "ends");

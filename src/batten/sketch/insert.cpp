@@ -127,15 +127,6 @@ bool heads_for_faces(const PolylineMesh& mesh, const Walkway& opening, int from,
              "; to close the opening instead, give \"into\": \"opening\""));
 }
 
-void refuse_end(const PolylineMesh& mesh, const Vector3d& end, const char* verb, double snap) {
-  const NearestPlace place = nearest_place(mesh, end);
-  throw RefusedEdit(
-      concat("the stroke ", verb, " ", text_of_length(place.distance), " from the nearest curve, c",
-             mesh.edge(place.edge).curve, ", more than the snapping distance of ", text_of_length(snap)),
-      concat("draw it from curve to curve, or give a snap of ", text_of_length(1.05 * place.distance),
-             " or more"));
-}
-
 /// Refuses a closed stroke that lies on a face without touching a curve: it would be meant as a hole.
 void refuse_on_face(const PolylineMesh& mesh, const Stroke& stroke, double snap) {
   const Box own{stroke.points.colwise().minCoeff(), stroke.points.colwise().maxCoeff()};
@@ -161,6 +152,22 @@ void refuse_on_face(const PolylineMesh& mesh, const Stroke& stroke, double snap)
 }
 
 }  // namespace
+
+void refuse_end(const PolylineMesh& mesh, const Vector3d& end, const std::string& what, double snap,
+                const std::string& course) {
+  const NearestPlace place = nearest_place(mesh, end);
+  // Near enough, but what the stroke touches there is one place with what it touches elsewhere.
+  if (place.distance <= snap)
+    throw RefusedEdit(
+        concat(what, " on c", mesh.edge(place.edge).curve, ", but within the snapping distance of ",
+               text_of_length(snap), " both of its ends are one place"),
+        "use a smaller snapping distance, or draw a longer stroke");
+  throw RefusedEdit(
+      concat(what, " ", text_of_length(place.distance), " from the nearest curve, c",
+             mesh.edge(place.edge).curve, ", more than the snapping distance of ", text_of_length(snap)),
+      concat("draw it from ", course, ", or give a snap of ", text_of_length(1.05 * place.distance),
+             " or more"));
+}
 
 std::vector<int> add_loop(PolylineMesh& mesh, const Stroke& stroke, double sharpness, int curve) {
   // Held where vertices will be: the corners, and seams so that there are two.
@@ -252,9 +259,11 @@ EditReport insert_ready(PolylineMesh& mesh, const Stroke& stroke, const std::vec
                  text_of_length((stroke.points.row(0) - stroke.points.row(stroke.points.rows() - 1)).norm()),
                  " apart, more than the snapping distance of ", text_of_length(snap)),
           "begin with a closed curve, the border of the object");
-    if (contacts.empty() || contacts.front().arc > 0) refuse_end(mesh, stroke.points.row(0), "starts", snap);
+    if (contacts.empty() || contacts.front().arc > 0)
+      refuse_end(mesh, stroke.points.row(0), "the stroke starts", snap, "curve to curve");
     if (contacts.size() < 2 || contacts.back().arc < stroke.length)
-      refuse_end(mesh, stroke.points.row(stroke.points.rows() - 1), "ends", snap);
+      refuse_end(mesh, stroke.points.row(stroke.points.rows() - 1), "the stroke ends", snap,
+                 "curve to curve");
     const StrokeContact &start = contacts.front(), &end = contacts.back();
     if (contacts.size() == 2 && start.edge >= 0 && start.edge == end.edge) {
       const auto [a, b] = mesh.edge(start.edge).vertices;

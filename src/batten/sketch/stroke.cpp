@@ -17,7 +17,10 @@ using Eigen::Index;
 using Eigen::Vector3d;
 
 constexpr Index kMostSamples = 1000;
-constexpr double kWindow = 0.02;      // of the length: how far a corner looks to either side
+constexpr double kWindow = 0.02;  // of the length: how far a corner looks to either side
+constexpr double kWidestWindow = 0.06;
+/// Noise turns arms of so many of its standard deviations by 0.12 radians or so, an eighth of a corner.
+constexpr double kWindowOfNoise = 20;
 constexpr double kChordError = 1e-5;  // of the length
 constexpr double kFitError = 5e-6;    // of the length; of strokes without noise
 constexpr double kClearOfHolds = 10;  // times how far a held point lies off the stroke
@@ -80,6 +83,17 @@ Points thinned(const Points& points, bool average) {
   return few;
 }
 
+/// The length of a stroke by chords over a fiftieth of its samples: where samples are denser than the noise,
+/// the way from each to the next is mostly noise.
+double length_by_chords(const Points& points, bool closed) {
+  const Index n = points.rows(), step = std::max<Index>(1, n / 50);
+  double length = 0;
+  Index at = 0;
+  for (; at + step < n; at += step) length += (points.row(at + step) - points.row(at)).norm();
+  length += (points.row(n - 1) - points.row(at)).norm();
+  return closed ? length + (points.row(0) - points.row(n - 1)).norm() : length;
+}
+
 /// Gaussian of `sigma` samples. Open strokes are continued by point reflection, which keeps their ends.
 Points smoothed(const Points& points, double sigma, bool closed) {
   const Index n = points.rows();
@@ -138,12 +152,15 @@ double angle_between(const Vector3d& a, const Vector3d& b) {
 
 std::vector<int> find_corners(const Stroke& stroke, double corner_angle) {
   const ArcWalk walk(stroke);
-  const double window = std::max(kWindow * walk.length(), 3 * stroke.noise);
+  const double window =
+      std::clamp(kWindowOfNoise * stroke.noise, kWindow * walk.length(), kWidestWindow * walk.length());
+  // Half an arm is enough where there is no noise.
+  const double clear_of_ends = std::clamp(kWindowOfNoise * stroke.noise, window / 2, window);
   const Index n = stroke.points.rows();
   std::vector<double> turns(static_cast<size_t>(n), 0);
   for (Index i = 0; i < n; ++i) {
     const double s = walk.arc(i);
-    if (!stroke.closed && (s < window / 2 || s > walk.length() - window / 2)) continue;
+    if (!stroke.closed && std::min(s, walk.length() - s) < clear_of_ends) continue;
     const Vector3d here = stroke.points.row(i);
     turns[static_cast<size_t>(i)] = angle_between(here - walk.at(s - window), walk.at(s + window) - here);
   }
@@ -395,7 +412,8 @@ Stroke prepare_stroke(const Points& points, const StrokeOptions& options) {
     if (stroke.points.rows() < 3)
       throw RefusedEdit("a closed stroke needs three different points", "draw it with three points or more");
   }
-  const double spacing = stroke.arcs().back() / static_cast<double>(stroke.points.rows());
+  const double spacing =
+      length_by_chords(stroke.points, stroke.closed) / static_cast<double>(stroke.points.rows());
   if (stroke.noise > 0.05 * spacing) {
     const double sigma = std::clamp(2 * stroke.noise / spacing, 0.5, 12.0);
     stroke.points = smoothed(stroke.points, sigma, stroke.closed);
@@ -406,6 +424,15 @@ Stroke prepare_stroke(const Points& points, const StrokeOptions& options) {
   if (stroke.points.rows() < (stroke.closed ? 3 : 2))
     throw RefusedEdit("the stroke is all noise around one place", "draw a longer stroke");
   stroke.corners = find_corners(stroke, options.corner_angle);
+  if (!stroke.closed) {  // a hook where the pen was set down or taken off, nearer to the end than any curve
+    const std::vector<double> arcs = stroke.arcs();
+    const auto is_hook = [&](int corner) {
+      const double arc = arcs[static_cast<size_t>(corner)];
+      return std::min(arc, stroke.length - arc) <= options.snap;
+    };
+    stroke.corners.erase(std::remove_if(stroke.corners.begin(), stroke.corners.end(), is_hook),
+                         stroke.corners.end());
+  }
   return stroke;
 }
 

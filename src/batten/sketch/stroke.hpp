@@ -38,8 +38,9 @@ struct StrokeOptions {
   bool closed = false;
   /// Snapping distance, in the unit of the model, positive.
   double snap = 0;
-  /// Turns sharper than this within 2 % of the length are corners, in radians. A circle given by seven or
-  /// more points has none.
+  /// Turns sharper than this within 2 % of the length (up to 6 % where there is noise) are corners, in
+  /// radians; those of open strokes within `snap` of an end, where pens slip, are not. A circle given by
+  /// seven or more points has none.
   double corner_angle = 0.92;
 };
 

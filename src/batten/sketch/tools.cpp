@@ -79,11 +79,23 @@ EditReport transform_model(PolylineMesh& mesh, const Eigen::Matrix4d& matrix) {
     throw RefusedEdit("the last row of the matrix is not 0 0 0 1", "give an affine matrix, row by row");
   const Eigen::Matrix3d linear = matrix.topLeftCorner<3, 3>();
   const double scale = linear.cwiseAbs().maxCoeff();
-  if (!(std::abs(linear.determinant()) > 1e-12 * scale * scale * scale))
+  if (!(scale > 0) || !(std::abs((linear / scale).determinant()) > 1e-12))  // scaled, or cubes would overflow
     throw RefusedEdit("the matrix flattens the model", "give a matrix with a determinant other than 0");
   if (mesh.empty()) throw RefusedEdit("there is nothing to move", "insert a first boundary");
+  // As for strokes: squares of coordinates near the ends of the range of double would leave it.
+  constexpr double kFarthest = 1e100, kSmallest = 1e-100;
+  double farthest = 0;
+  for (const SketchEdge& edge : mesh.edges()) {
+    if (!edge.alive) continue;
+    const Box box = edge.polyline->box();
+    farthest = std::max({farthest, box.low.cwiseAbs().maxCoeff(), box.high.cwiseAbs().maxCoeff()});
+  }
+  if (!(3 * scale * farthest + matrix.topRightCorner<3, 1>().cwiseAbs().maxCoeff() <= kFarthest))
+    throw RefusedEdit(concat("the matrix takes the model beyond ", kFarthest), "give a smaller matrix");
+  if (!(scale * mesh.diameter() >= kSmallest))
+    throw RefusedEdit(concat("the matrix shrinks the model below ", kSmallest), "give a larger matrix");
   mesh.move_everything(matrix);
-  if (linear.determinant() < 0) {
+  if ((linear / scale).determinant() < 0) {
     std::vector<char> turned(mesh.faces().size(), 0);
     for (size_t f = 0; f < mesh.faces().size(); ++f) {
       if (!mesh.faces()[f].alive || turned[f]) continue;

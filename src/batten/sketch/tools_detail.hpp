@@ -14,6 +14,11 @@ Stroke ready_stroke(const DrawnStroke& drawn, double snap);
 /// @throws RefusedEdit unless the curve exists.
 void require_curve(const PolylineMesh& mesh, int curve);
 
+/// Refuses an end of a stroke that is on no curve, or on none of its own.
+/// @param what as in "the stroke ends". @param course as in "curve to curve".
+[[noreturn]] void refuse_end(const PolylineMesh& mesh, const Eigen::Vector3d& end, const std::string& what,
+                             double snap, const std::string& course);
+
 /// A closed stroke that meets nothing, as edges of a new curve: vertices at its corners, two seams where it
 /// has fewer than two. @return the sides in the sense of the stroke.
 std::vector<int> add_loop(PolylineMesh& mesh, const Stroke& stroke, double sharpness, int curve);
