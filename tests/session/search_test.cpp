@@ -137,7 +137,7 @@ Box random_box(Random& random) {
 
 TEST(Search, FindsWhatASearchThroughTheWholeModelFinds) {
 #ifdef __SANITIZE_ADDRESS__
-  constexpr int kSessions = 2, kCalls = 60;
+  constexpr int kSessions = 1, kCalls = 50;
 #else
   constexpr int kSessions = 6, kCalls = 100;
 #endif
@@ -175,8 +175,8 @@ TEST(Search, FindsWhatASearchThroughTheWholeModelFinds) {
     expect_same_boxes(copy, random_box(random));
     expect_same_hits(copy, Polyline(circle(100 * kX, kX, kY).points), 0.1);
   }
-  EXPECT_GT(n_hits, 1000u);
-  EXPECT_GT(n_taken_back, 50u);
+  EXPECT_GT(n_hits, 10u * kSessions * kCalls);
+  EXPECT_GT(n_taken_back, kSessions * kCalls / 10u);
 }
 
 }  // namespace
