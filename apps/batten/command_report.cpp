@@ -53,7 +53,7 @@ void print(const ReportGrid& grid, std::vector<std::string>& lines) {
 /// @param content what lies in it.
 std::string data_folder(const ReportArguments& arguments, const char* usual, const char* content,
                         Outcome& outcome) {
-  const std::string folder = arguments.data.empty() ? usual : arguments.data;
+  std::string folder = arguments.data.empty() ? usual : arguments.data;
   if (std::filesystem::is_directory(folder)) return folder;
   if (!arguments.data.empty())
     throw FileError(folder, 0, concat("there is no such folder; --data names the one with the ", content));

@@ -169,6 +169,7 @@ Project parse_project(const std::string& bytes, const std::string& path, std::ve
   }
   if (!same) {
     std::vector<Edit> log;
+    log.reserve(edits.size());
     for (const SessionEdit& edit : edits) log.push_back(edit.edit);
     project.document = Document::restored(std::move(mesh), std::move(log));
     if (warnings)

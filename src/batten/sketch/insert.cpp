@@ -227,6 +227,7 @@ DrawnCurve place_stroke(PolylineMesh& mesh, const Stroke& stroke, const std::vec
 DrawnCurve place_stroke(PolylineMesh& mesh, const Stroke& stroke,
                         const std::vector<StrokeContact>& contacts) {
   std::vector<HeldPoint> held;
+  held.reserve(contacts.size());
   for (const StrokeContact& contact : contacts) held.push_back({contact.arc, contact.position});
   return place_stroke(mesh, stroke, held, contact_vertices(mesh, contacts));
 }

@@ -355,8 +355,8 @@ std::vector<int> cut_off_quads(const Face& face, const FacePatch& quad, int enou
       }
     }
     if (best_start < 0) break;
-    std::vector<int> part;
-    for (int k = 0; k < 4; ++k) part.push_back(left[at((best_start + k) % n)]);
+    std::vector<int> part(4);
+    for (int k = 0; k < 4; ++k) part[at(k)] = left[at((best_start + k) % n)];
     std::vector<int> rest;
     for (int k = 3; k <= n; ++k) rest.push_back(left[at((best_start + k) % n)]);
     parts.push_back(std::move(part));
