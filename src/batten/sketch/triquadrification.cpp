@@ -181,7 +181,8 @@ class Face {
   Points lifted(const Vector2d& from, const Vector2d& to, int n_segments) const;
 
  private:
-  /// A diagonal over the Coons patch of a face that is not taken to lie over a plane, from one corner to the other.
+  /// A diagonal over the Coons patch of a face that is not taken to lie over a plane, from one corner to the
+  /// other.
   struct Over {
     Vector3d swept, leaving;
     bool along_border = false;
