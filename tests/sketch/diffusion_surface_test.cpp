@@ -160,15 +160,27 @@ TEST(DiffusionSurface, DrawnCurvesAreKeptExactlyOrSoftly) {
   EXPECT_NE(soft.refined.mesh.positions, exact.refined.mesh.positions);
 }
 
-TEST(DiffusionSurface, LimitSurfaceGoesThroughTheRefinedMesh) {
+TEST(DiffusionSurface, LimitSurfaceGoesThroughTheCurves) {
   // The limit points of OpenSubdiv are a second implementation of the stencils behind `cage`; the cube has
-  // creases, corners and darts, the disc a border.
-  PolylineMesh sharp = cube();
-  for (const PolylineMesh& mesh : {sharp, three_great_circles(), model({{circle(kO, kX, kY), {}}})}) {
-    const DiffusionSurface surface = diffusion_surface(mesh, {.splits = 2});
-    const SubdividedSurface fine = subdivide(surface.cage, {.levels = 1, .limit = true});
-    const Points& refined = surface.refined.mesh.positions;
-    EXPECT_LT((fine.limit_positions.topRows(refined.rows()) - refined).rowwise().norm().maxCoeff(), 1e-6);
+  // creases, corners and darts, the disc a border. Between the curves the surface is fair rather than exact.
+  for (const PolylineMesh& mesh : {cube(), three_great_circles(), model({{circle(kO, kX, kY), {}}})}) {
+    std::vector<double> beside;
+    for (const int splits : {2, 3}) {
+      const DiffusionSurface surface = diffusion_surface(mesh, {.splits = splits});
+      const SubdividedSurface fine = subdivide(surface.cage, {.levels = 1, .limit = true});
+      const Points& refined = surface.refined.mesh.positions;
+      beside.push_back(0);
+      for (Eigen::Index v = 0; v < refined.rows(); ++v) {
+        const Eigen::RowVector3d gap = fine.limit_positions.row(v) - refined.row(v);
+        if (surface.on_curve[static_cast<size_t>(v)])
+          EXPECT_LT(gap.norm(), 1e-6);
+        else
+          beside.back() = std::max(beside.back(), std::abs(gap.dot(fine.limit_normals.row(v))));
+      }
+    }
+    std::cout << "beside the curves: " << beside[0] << " with two splits, " << beside[1] << " with three\n";
+    EXPECT_LT(beside[1], 0.01);
+    EXPECT_LE(beside[1], beside[0] / 2 + 1e-12);
   }
 }
 

@@ -185,7 +185,10 @@ Alignment align_curves(const Polyline& reference, const Polyline& stroke) {
 
 SharedPolyline polyline_of_curve(const PolylineMesh& mesh, int curve) {
   const std::vector<int> edges = mesh.edges_of_curve(curve);
-  std::vector<char> used(mesh.edges().size(), 0);
+  std::vector<char> is_used(edges.size(), 0);
+  const auto used = [&](int e) -> char& {
+    return is_used[static_cast<size_t>(std::lower_bound(edges.begin(), edges.end(), e) - edges.begin())];
+  };
   SharedPolyline longest;
   const auto others = [&](int vertex) {
     int n = 0;
@@ -195,18 +198,18 @@ SharedPolyline polyline_of_curve(const PolylineMesh& mesh, int curve) {
   // Runs that have an end are walked from there, closed ones from their lowest edge.
   for (const bool closed : {false, true})
     for (const int first : edges) {
-      if (used[static_cast<size_t>(first)]) continue;
+      if (used(first)) continue;
       const auto& ends = mesh.edge(first).vertices;
       if (!closed && others(ends[0]) != 1 && others(ends[1]) != 1) continue;
       const bool backwards = !closed && others(ends[0]) != 1;
       SharedPolyline run = backwards ? reversed(*mesh.edge(first).polyline) : mesh.edge(first).polyline;
-      used[static_cast<size_t>(first)] = 1;
+      used(first) = 1;
       int at = ends[backwards ? 0 : 1];
       for (bool more = true; more;) {
         more = false;
         for (const int e : mesh.vertex(at).edges) {
-          if (mesh.edge(e).curve != curve || used[static_cast<size_t>(e)]) continue;
-          used[static_cast<size_t>(e)] = 1;
+          if (mesh.edge(e).curve != curve || used(e)) continue;
+          used(e) = 1;
           const bool turn = mesh.edge(e).vertices[0] != at;
           run = joined(*run, turn ? *reversed(*mesh.edge(e).polyline) : *mesh.edge(e).polyline);
           at = mesh.edge(e).vertices[turn ? 0 : 1];

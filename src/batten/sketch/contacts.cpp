@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <set>
 
 #include <Eigen/Geometry>
 
@@ -15,6 +16,9 @@ namespace {
 
 using Eigen::Index;
 using Eigen::Vector3d;
+
+/// Times the snapping distance: nearer along a stroke, two places are one.
+constexpr double kSamePlace = 0.05;
 
 /// Closest points of two segments p + s d and q + t e (Ericson, Real-Time Collision Detection, 5.1.9).
 struct SegmentPair {
@@ -41,17 +45,6 @@ Box grown(Box box, double by) {
   return box;
 }
 
-double distance_to(const Box& box, const Vector3d& point) {
-  return (point - point.cwiseMax(box.low).cwiseMin(box.high)).norm();
-}
-
-struct Hit {
-  double arc;
-  int edge;
-  double edge_arc;
-  double distance;
-};
-
 /// The same line with segments of at most `step` (and at most 20,000 of them): where a stroke runs along a
 /// curve, the nearest places of each segment then show it.
 Polyline finely_divided(const Points& points, double step) {
@@ -70,41 +63,14 @@ Polyline finely_divided(const Points& points, double step) {
   return Polyline(std::move(rows));
 }
 
-/// All pairs of segments of stroke and model within `snap`.
-std::vector<Hit> find_hits(const PolylineMesh& mesh, const Polyline& line, double snap) {
-  std::vector<Hit> hits;
-  const Box reach = grown(line.box(), snap);
-  for (size_t e = 0; e < mesh.edges().size(); ++e) {
-    const SketchEdge& edge = mesh.edges()[e];
-    if (!edge.alive || !edge.polyline->box().meets(reach)) continue;
-    const Polyline& old = *edge.polyline;
-    const Box old_reach = grown(old.box(), snap);
-    for (size_t block = 0; block < line.blocks().size(); ++block) {
-      if (!line.blocks()[block].meets(old_reach)) continue;
-      const Box block_reach = grown(line.blocks()[block], snap);
-      for (size_t other = 0; other < old.blocks().size(); ++other) {
-        if (!old.blocks()[other].meets(block_reach)) continue;
-        const auto i0 = static_cast<Index>(block) * Polyline::kBlock,
-                   j0 = static_cast<Index>(other) * Polyline::kBlock;
-        const Index i1 = std::min(i0 + Polyline::kBlock, line.n_points() - 1),
-                    j1 = std::min(j0 + Polyline::kBlock, old.n_points() - 1);
-        for (Index i = i0; i < i1; ++i) {
-          const Vector3d p = line.points().row(i), d = line.points().row(i + 1).transpose() - p;
-          for (Index j = j0; j < j1; ++j) {
-            const Vector3d q = old.points().row(j), f = old.points().row(j + 1).transpose() - q;
-            const SegmentPair pair = closest(p, d, q, f);
-            if (pair.distance > snap) continue;
-            hits.push_back({line.arc(i) + pair.s * (line.arc(i + 1) - line.arc(i)), static_cast<int>(e),
-                            old.arc(j) + pair.t * (old.arc(j + 1) - old.arc(j)), pair.distance});
-          }
-        }
-      }
-    }
-  }
-  std::sort(hits.begin(), hits.end(), [](const Hit& a, const Hit& b) {
-    return a.arc != b.arc ? a.arc < b.arc : a.edge != b.edge ? a.edge < b.edge : a.edge_arc < b.edge_arc;
-  });
-  return hits;
+/// Pairs (edge, block of the line) whose boxes come within `snap` of each other, in this order.
+std::vector<std::pair<int, int>> near_pairs(const PolylineMesh& mesh, const Polyline& line, double snap) {
+  std::vector<std::pair<int, int>> pairs;
+  for (size_t block = 0; block < line.blocks().size(); ++block)
+    for (const int edge : mesh.edge_boxes().meeting(grown(line.blocks()[block], snap)))
+      pairs.emplace_back(edge, static_cast<int>(block));
+  std::sort(pairs.begin(), pairs.end());
+  return pairs;
 }
 
 StrokeContact contact_of(const PolylineMesh& mesh, const Hit& hit, double snap) {
@@ -120,7 +86,7 @@ StrokeContact contact_of(const PolylineMesh& mesh, const Hit& hit, double snap) 
   // A seam is invisible to whoever draws, so it does not attract; it is only taken where it would leave a
   // sliver.
   const int vertex = edge.vertices[static_cast<size_t>(nearer)];
-  const double reach = mesh.vertex(vertex).is_seam ? 0.05 * snap : snap;
+  const double reach = mesh.vertex(vertex).is_seam ? kSamePlace * snap : snap;
   if ((contact.position - mesh.vertex(vertex).position).norm() <= reach && to_ends[nearer] <= 2 * reach) {
     contact.vertex = vertex;
     contact.edge = -1;
@@ -129,9 +95,120 @@ StrokeContact contact_of(const PolylineMesh& mesh, const Hit& hit, double snap) 
   return contact;
 }
 
-bool same_place(const StrokeContact& a, const StrokeContact& b, double snap) {
-  if (a.vertex >= 0 || b.vertex >= 0) return a.vertex == b.vertex;
-  return a.edge == b.edge && std::abs(a.edge_arc - b.edge_arc) <= 2 * snap;
+/// Whether a way of at most `most` leads along the edges of the model from one contact to the other.
+bool near_along_edges(const PolylineMesh& mesh, const StrokeContact& a, const StrokeContact& b, double most) {
+  // The vertices that a contact is next to, and how far away.
+  const auto ends_of = [&](const StrokeContact& contact) {
+    std::vector<std::pair<double, int>> ends;
+    if (contact.vertex >= 0) {
+      ends.emplace_back(0, contact.vertex);
+    } else {
+      const SketchEdge& edge = mesh.edge(contact.edge);
+      ends.emplace_back(contact.edge_arc, edge.vertices[0]);
+      ends.emplace_back(edge.polyline->length() - contact.edge_arc, edge.vertices[1]);
+    }
+    return ends;
+  };
+  if (a.edge >= 0 && a.edge == b.edge && std::abs(a.edge_arc - b.edge_arc) <= most) return true;
+  std::map<int, double> reached;
+  std::set<std::pair<double, int>> front;  // Dijkstra's, from a
+  for (const auto& [distance, vertex] : ends_of(a)) front.emplace(distance, vertex);
+  const auto goals = ends_of(b);
+  while (!front.empty()) {
+    const auto [distance, vertex] = *front.begin();
+    front.erase(front.begin());
+    if (distance > most) return false;
+    if (!reached.emplace(vertex, distance).second) continue;
+    for (const auto& [rest, goal] : goals)
+      if (goal == vertex && distance + rest <= most) return true;
+    for (const int e : mesh.vertex(vertex).edges) {
+      const auto& ends = mesh.edge(e).vertices;
+      front.emplace(distance + mesh.edge(e).polyline->length(), ends[0] == vertex ? ends[1] : ends[0]);
+    }
+  }
+  return false;
+}
+
+/// How two contacts near each other are to be understood.
+enum class Relation {
+  kApart,    ///< two places that the stroke meets one after the other
+  kOne,      ///< one place, or two at an end of the stroke, which ends on the nearer
+  kUnclear,  ///< two curves side by side: which is met first, or at all, cannot be told
+};
+
+Relation relation(const PolylineMesh& mesh, const Stroke& stroke, const StrokeContact& a,
+                  const StrokeContact& b, double snap) {
+  double along = std::abs(a.arc - b.arc);
+  if (stroke.closed) along = std::min(along, stroke.length - along);
+  if (along > 4 * snap) return Relation::kApart;
+  const double apart = (a.position - b.position).norm();
+  if (apart > 2 * snap) return Relation::kApart;
+  if (a.vertex >= 0 && a.vertex == b.vertex) return Relation::kOne;
+  const bool has_vertex = a.vertex >= 0 || b.vertex >= 0;
+  const bool is_near = near_along_edges(mesh, a, b, 4 * snap);
+  // Through a vertex, its edges are met there and nowhere else; to meet one edge twice takes a longer way.
+  if (is_near && (has_vertex || (a.edge == b.edge && std::abs(a.edge_arc - b.edge_arc) <= 2 * snap)))
+    return Relation::kOne;
+  // The stroke goes from the one to the other rather than past both, and its curve, held at both, by less
+  // than 45° aslant.
+  if (along >= 0.7 * apart && along >= kSamePlace * snap) return Relation::kApart;
+  if (is_near) return Relation::kOne;
+  const double from_start = std::max(a.arc, b.arc), from_end = stroke.length - std::min(a.arc, b.arc);
+  return !stroke.closed && std::min(from_start, from_end) <= 2 * snap ? Relation::kOne : Relation::kUnclear;
+}
+
+/// Adds a contact unless it is one of those that there are, which are better ones.
+void add_contact(const PolylineMesh& mesh, const Stroke& stroke, double snap, const StrokeContact& contact,
+                 std::vector<StrokeContact>& contacts) {
+  const StrokeContact* unclear = nullptr;
+  for (const StrokeContact& other : contacts) {
+    const Relation how = relation(mesh, stroke, contact, other, snap);
+    if (how == Relation::kOne) return;
+    if (how == Relation::kUnclear) unclear = &other;
+  }
+  if (unclear) {
+    const double apart = (contact.position - unclear->position).norm();
+    throw RefusedEdit(
+        concat("the stroke meets ", name_of(mesh, *unclear), " and ", name_of(mesh, contact), " in places ",
+               text_of_length(apart), " apart, too near each other for the snapping distance of ",
+               text_of_length(snap), " to tell which is meant"),
+        apart > kSamePlace * snap ? concat("give a snap of ", text_of_length(0.95 * contact.distance),
+                                           " or less, or draw it clear of one of them")
+                                  : std::string("draw it where they lie apart"));
+  }
+  contacts.push_back(contact);
+}
+
+/// Hits on one edge, those gathered that lie near each other along both. @param hits in order of arc.
+std::vector<std::vector<Hit>> runs_of(const std::vector<Hit>& hits, double snap) {
+  struct Run {
+    std::vector<Hit> hits;
+    double from, to;  // along the edge
+  };
+  std::vector<Run> runs;
+  for (const Hit& hit : hits) {
+    Run run{{hit}, hit.edge_arc, hit.edge_arc};
+    // More than one where a hit lies between them.
+    for (size_t k = 0; k < runs.size();) {
+      Run& other = runs[k];
+      if (hit.arc - other.hits.back().arc > 2 * snap || hit.edge_arc < other.from - 2 * snap ||
+          hit.edge_arc > other.to + 2 * snap) {
+        ++k;
+        continue;
+      }
+      other.hits.insert(other.hits.end(), run.hits.begin(), run.hits.end());
+      run = {std::move(other.hits), std::min(run.from, other.from), std::max(run.to, other.to)};
+      runs.erase(runs.begin() + static_cast<std::ptrdiff_t>(k));
+    }
+    runs.push_back(std::move(run));
+  }
+  std::vector<std::vector<Hit>> result;
+  for (Run& run : runs) {
+    std::stable_sort(run.hits.begin(), run.hits.end(),
+                     [](const Hit& x, const Hit& y) { return x.arc < y.arc; });
+    result.push_back(std::move(run.hits));
+  }
+  return result;
 }
 
 }  // namespace
@@ -147,6 +224,35 @@ std::string name_of(const PolylineMesh& mesh, const StrokeContact& contact) {
   return contact.vertex >= 0 ? concat("v", contact.vertex) : concat("c", mesh.edge(contact.edge).curve);
 }
 
+std::vector<Hit> find_hits(const PolylineMesh& mesh, const Polyline& line, double snap) {
+  std::vector<Hit> hits;
+  for (const auto& [e, block] : near_pairs(mesh, line, snap)) {
+    const Polyline& old = *mesh.edge(e).polyline;
+    const Box block_reach = grown(line.blocks()[static_cast<size_t>(block)], snap);
+    for (size_t other = 0; other < old.blocks().size(); ++other) {
+      if (!old.blocks()[other].meets(block_reach)) continue;
+      const auto i0 = static_cast<Index>(block) * Polyline::kBlock,
+                 j0 = static_cast<Index>(other) * Polyline::kBlock;
+      const Index i1 = std::min(i0 + Polyline::kBlock, line.n_points() - 1),
+                  j1 = std::min(j0 + Polyline::kBlock, old.n_points() - 1);
+      for (Index i = i0; i < i1; ++i) {
+        const Vector3d p = line.points().row(i), d = line.points().row(i + 1).transpose() - p;
+        for (Index j = j0; j < j1; ++j) {
+          const Vector3d q = old.points().row(j), f = old.points().row(j + 1).transpose() - q;
+          const SegmentPair pair = closest(p, d, q, f);
+          if (pair.distance > snap) continue;
+          hits.push_back({line.arc(i) + pair.s * (line.arc(i + 1) - line.arc(i)), e,
+                          old.arc(j) + pair.t * (old.arc(j + 1) - old.arc(j)), pair.distance});
+        }
+      }
+    }
+  }
+  std::sort(hits.begin(), hits.end(), [](const Hit& a, const Hit& b) {
+    return a.arc != b.arc ? a.arc < b.arc : a.edge != b.edge ? a.edge < b.edge : a.edge_arc < b.edge_arc;
+  });
+  return hits;
+}
+
 std::vector<StrokeContact> find_contacts(const PolylineMesh& mesh, const Stroke& stroke, double snap) {
   Points points = stroke.points;
   if (stroke.closed) {
@@ -154,18 +260,12 @@ std::vector<StrokeContact> find_contacts(const PolylineMesh& mesh, const Stroke&
     points.row(points.rows() - 1) = stroke.points.row(0);
   }
   const Polyline line = finely_divided(points, snap);
-  std::vector<Hit> hits = find_hits(mesh, line, snap);
-
   // Runs of hits on one edge; each has one place where it comes nearest.
-  std::map<int, std::vector<std::vector<Hit>>> runs_of_edge;
-  for (const Hit& hit : hits) {
-    auto& runs = runs_of_edge[hit.edge];
-    if (runs.empty() || hit.arc - runs.back().back().arc > 2 * snap) runs.emplace_back();
-    runs.back().push_back(hit);
-  }
+  std::map<int, std::vector<Hit>> hits_of_edge;
+  for (const Hit& hit : find_hits(mesh, line, snap)) hits_of_edge[hit.edge].push_back(hit);
   std::vector<Hit> nearest;
-  for (const auto& [edge, runs] : runs_of_edge)
-    for (const auto& run : runs) {
+  for (const auto& [edge, hits] : hits_of_edge)
+    for (const auto& run : runs_of(hits, snap)) {
       const double along = run.back().arc - run.front().arc;
       if (along > 12 * snap)
         throw RefusedEdit(
@@ -175,63 +275,54 @@ std::vector<StrokeContact> find_contacts(const PolylineMesh& mesh, const Stroke&
       nearest.push_back(*std::min_element(
           run.begin(), run.end(), [](const Hit& a, const Hit& b) { return a.distance < b.distance; }));
     }
-  std::stable_sort(nearest.begin(), nearest.end(), [](const Hit& a, const Hit& b) { return a.arc < b.arc; });
-
-  std::vector<StrokeContact> contacts;
+  // Vertices first, as edges that meet at a vertex are all met there; then what is nearest.
+  std::vector<StrokeContact> found, contacts;
   for (const Hit& hit : nearest) {
-    StrokeContact contact = contact_of(mesh, hit, snap);
-    contact.arc = std::min(contact.arc, stroke.length);
-    // Edges that meet at a vertex are all met there: one contact, the nearest, the vertex before its edges.
-    StrokeContact* last = contacts.empty() ? nullptr : &contacts.back();
-    const bool close =
-        last && (contact.position - last->position).norm() <= 2 * snap && contact.arc - last->arc <= 4 * snap;
-    if (last && (same_place(contact, *last, snap) || close)) {
-      const bool better = (contact.vertex >= 0) != (last->vertex >= 0) ? contact.vertex >= 0
-                                                                       : contact.distance < last->distance;
-      if (better) *last = contact;
-    } else {
-      contacts.push_back(contact);
-    }
+    found.push_back(contact_of(mesh, hit, snap));
+    found.back().arc = std::min(hit.arc, stroke.length);
   }
+  std::stable_sort(found.begin(), found.end(), [](const StrokeContact& a, const StrokeContact& b) {
+    const bool a_has = a.vertex >= 0, b_has = b.vertex >= 0;
+    return a_has != b_has ? a_has : a.distance != b.distance ? a.distance < b.distance : a.arc < b.arc;
+  });
+  for (const StrokeContact& contact : found) add_contact(mesh, stroke, snap, contact, contacts);
+  std::stable_sort(contacts.begin(), contacts.end(),
+                   [](const StrokeContact& a, const StrokeContact& b) { return a.arc < b.arc; });
   // Open strokes end on what their ends touch.
   if (!stroke.closed && !contacts.empty()) {
     if (contacts.front().arc <= 2 * snap) contacts.front().arc = 0;
     if (stroke.length - contacts.back().arc <= 2 * snap && contacts.size() > 1)
       contacts.back().arc = stroke.length;  // exactly, whatever rounding did to the line
   }
-  if (stroke.closed && contacts.size() > 1) {  // the start may lie on a contact
-    const StrokeContact &first = contacts.front(), &last = contacts.back();
-    if (first.arc + line.length() - last.arc <= 4 * snap &&
-        (same_place(first, last, snap) || (first.position - last.position).norm() <= 2 * snap)) {
-      if (last.distance < first.distance)
-        contacts.erase(contacts.begin());
-      else
-        contacts.pop_back();
-    }
-  }
   return contacts;
+}
+
+double distance_below(const Box& box, const Vector3d& point) {
+  const double largest =
+      std::max({box.low.cwiseAbs().maxCoeff(), box.high.cwiseAbs().maxCoeff(), point.cwiseAbs().maxCoeff()});
+  return (point - point.cwiseMax(box.low).cwiseMin(box.high)).norm() - 1e-14 * largest;
 }
 
 NearestPlace nearest_place(const PolylineMesh& mesh, const Vector3d& point) {
   NearestPlace best;
   best.distance = std::numeric_limits<double>::infinity();
-  for (size_t e = 0; e < mesh.edges().size(); ++e) {
-    const SketchEdge& edge = mesh.edges()[e];
-    if (!edge.alive || distance_to(edge.polyline->box(), point) >= best.distance) continue;
-    const Polyline& line = *edge.polyline;
+  const auto visit = [&](int e) {
+    const Polyline& line = *mesh.edge(e).polyline;
     for (size_t block = 0; block < line.blocks().size(); ++block) {
-      if (distance_to(line.blocks()[block], point) >= best.distance) continue;
+      if (distance_below(line.blocks()[block], point) > best.distance) continue;
       const auto begin = static_cast<Index>(block) * Polyline::kBlock;
       for (Index i = begin; i < std::min(begin + Polyline::kBlock, line.n_points() - 1); ++i) {
         const ClosestPoint found =
             closest_point_on_segment(point, line.points().row(i), line.points().row(i + 1));
         const double distance = std::sqrt(found.squared_distance);
-        if (distance >= best.distance) continue;
-        best = {static_cast<int>(e), line.arc(i) + found.weights(1) * (line.arc(i + 1) - line.arc(i)),
-                found.point, distance};
+        // Of places equally near, that on the lowest edge, as edges meet at vertices.
+        if (distance > best.distance || (distance == best.distance && e >= best.edge)) continue;
+        best = {e, line.arc(i) + found.weights(1) * (line.arc(i + 1) - line.arc(i)), found.point, distance};
       }
     }
-  }
+    return best.distance;
+  };
+  mesh.edge_boxes().visit_nearest([&](const Box& box) { return distance_below(box, point); }, visit);
   return best;
 }
 

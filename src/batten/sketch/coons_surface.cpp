@@ -318,8 +318,7 @@ void finish(const CoonsOptions& options, CoonsSurface& surface, const Progress& 
       surface.cage = surface.refined;
     }
     surface.cage.polylines.clear();
-    if (options.through_curves)
-      detail::fit_limit(surface.cage, Points(surface.cage.mesh.positions), progress);
+    if (options.through_curves) detail::fit_limit(surface.cage, Points(surface.cage.mesh.positions));
   }
   const ScopedStage stage(surface.times, "subdivision");
   take(subdivide(surface.cage, {.levels = levels, .limit = true}, progress), faces, true, surface);

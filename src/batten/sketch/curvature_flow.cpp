@@ -17,64 +17,22 @@ namespace {
 using Eigen::Index;
 using Eigen::Vector3d;
 
-/// A share of the diagonal of the refit that ties every vertex to where it is: where creases on all sides
-/// leave it no row of its own, it stays.
-constexpr double kAnchor = 1e-10;
 /// No triangle may turn by more than 60° or lose more than four fifths of its area in one round.
 constexpr double kLeastTurn = 0.5, kLeastShrink = 0.2;
 
-/// Lengths of the vertices' areas are bounded from below, so that the weights 1/M of slivers stay finite.
+}  // namespace
+
 Eigen::VectorXd bounded_mass(Eigen::VectorXd mass) {
   const double least = 1e-3 * mass.mean();
   return mass.cwiseMax(least);
-}
-
-}  // namespace
-
-void start_flow(FlowMesh& mesh, const std::vector<char>& fresh) {
-  const Index n = mesh.positions.rows();
-  std::vector<int> index(static_cast<size_t>(n), -1), none(static_cast<size_t>(n), -1);
-  int n_unknown = 0;
-  Eigen::RowVector3d middle = Eigen::RowVector3d::Zero();
-  for (Index v = 0; v < n; ++v)
-    if (fresh[static_cast<size_t>(v)] && !mesh.fixed[static_cast<size_t>(v)])
-      index[static_cast<size_t>(v)] = n_unknown++;
-    else
-      middle += mesh.positions.row(v);
-  if (n_unknown == 0) return;
-  middle /= static_cast<double>(std::max<Index>(n - n_unknown, 1));
-  for (Index v = 0; v < n; ++v)
-    if (index[static_cast<size_t>(v)] >= 0) mesh.positions.row(v) = middle;
-  const SparseMatrix K = cotangent_stiffness(mesh.triangles, mesh.domain, n);
-  const Eigen::VectorXd M = bounded_mass(lumped_mass(mesh.triangles, mesh.domain, n));
-  Eigen::VectorXd d(n);
-  for (Index v = 0; v < n; ++v) {
-    const auto i = static_cast<size_t>(v);
-    d(v) = mesh.without_row[i] || mesh.sharpness[i] > 0 ? 0 : 1 / M(v);
-  }
-  SparseMatrix A = squared_stiffness(K, d, index, none).lower;
-  const Points right = -(K.transpose() * (d.asDiagonal() * (K * mesh.positions)));
-  Eigen::MatrixXd b(n_unknown, 3);
-  const double mean = A.diagonal().mean();
-  for (Index v = 0; v < n; ++v) {
-    const int u = index[static_cast<size_t>(v)];
-    if (u < 0) continue;
-    b.row(u) = right.row(v);
-    A.coeffRef(u, u) += 1e-2 * kAnchor * mean;
-  }
-  SparseCholesky plate("thin plate through the curves");
-  plate.factorize(A);
-  const Eigen::MatrixXd solved = plate.solve(b);
-  for (Index v = 0; v < n; ++v)
-    if (index[static_cast<size_t>(v)] >= 0)
-      mesh.positions.row(v) += solved.row(index[static_cast<size_t>(v)]);
 }
 
 CurvatureFlow::CurvatureFlow(FlowMesh& mesh, const DiffusionOptions& options)
     : mesh_(mesh),
       options_(options),
       diffusion_("diffusion of mean curvature"),
-      refit_("refit to mean curvature") {
+      refit_("refit to mean curvature"),
+      time_step_(options.time_step) {
   const Index n = mesh.positions.rows();
   index_.assign(static_cast<size_t>(n), -1);
   for (Index v = 0; v < n; ++v)
@@ -180,7 +138,7 @@ double CurvatureFlow::similarity(double s, double t) const {  // (6.5): D is not
 /// however finely it is split, and whatever the size of the others.
 void CurvatureFlow::diffuse(const SparseMatrix& K, const Eigen::VectorXd& M, Eigen::VectorXd& H) {
   const Index n = M.size();
-  Eigen::VectorXd area = Eigen::VectorXd::Zero(mesh_.n_patches), count = area;
+  Eigen::VectorXd area = Eigen::VectorXd::Zero(static_cast<Index>(mesh_.patches.size())), count = area;
   const Points& X = mesh_.positions;
   for (Index f = 0; f < mesh_.triangles.rows(); ++f) {
     const auto p = [&](int k) -> Vector3d { return X.row(mesh_.triangles(f, k)); };
@@ -192,7 +150,7 @@ void CurvatureFlow::diffuse(const SparseMatrix& K, const Eigen::VectorXd& M, Eig
   for (Index f = 0; f < mesh_.triangles.rows(); ++f) {
     const int patch = mesh_.patch[static_cast<size_t>(f)];
     for (int k = 0; k < 3; ++k) {
-      tau(mesh_.triangles(f, k)) += options_.time_step * finer * area(patch) / count(patch);
+      tau(mesh_.triangles(f, k)) += time_step_ * finer * area(patch) / count(patch);
       met(mesh_.triangles(f, k)) += 1;
     }
   }

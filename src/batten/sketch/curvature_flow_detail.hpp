@@ -9,6 +9,18 @@
 // The flow of H 6.4.1 on a mesh, or on a part of one with the rest around it held. Private to the room.
 namespace batten::detail {
 
+/// How the flow begins on a face.
+struct FlowPatch {
+  enum class Begin {
+    Kept,   ///< where it is
+    Plate,  ///< start_flow() puts it onto a thin plate
+    Coons,  ///< its inner vertices lie on a Coons patch, unless a plate bends less
+  };
+  Begin begin = Begin::Kept;
+  /// The domain is the face seen from a side; else only the lengths of its sides are known from it.
+  bool is_projection = true;
+};
+
 /// What the flow moves, and what it knows about the vertices.
 struct FlowMesh {
   Points positions;
@@ -21,15 +33,25 @@ struct FlowMesh {
   std::vector<char>
       without_row;  ///< per vertex: its mean curvature is not known (borders, the rim of a part)
   std::vector<double> sharpness;  ///< per vertex: S of (6.5), 0 where smooth
-  std::vector<int> patch;         ///< per triangle: the face of the model, 0 … n_patches − 1
-  int n_patches = 0;
+  std::vector<int> patch;         ///< per triangle: the face of the model
+  std::vector<FlowPatch> patches;
   Points targets;  ///< n × 3; read where soft
 };
 
-/// Puts the vertices marked `fresh` onto a thin plate in the metric of the domains, through all others: min
-/// Σ M |M⁻¹ K X|² over the rows of smooth vertices. It bends on over smooth curves, and is a plane where the
-/// curves lie in one.
-void start_flow(FlowMesh& mesh, const std::vector<char>& fresh);
+/// A share of the diagonal of a matrix that ties every vertex to where it is: where creases on all sides
+/// leave it no row of its own, it stays.
+constexpr double kAnchor = 1e-10;
+
+/// Areas of vertices, bounded from below so that the weights 1/M of slivers stay finite.
+Eigen::VectorXd bounded_mass(Eigen::VectorXd mass);
+
+/// Puts the vertices of patches that begin on a plate there, except those that are fixed, soft, or shared
+/// with a Coons patch: min Σ M |M⁻¹ K X|² over the rows of smooth vertices. It bends on over smooth curves,
+/// and is a plane where the curves lie in one. The metric is that of the domains, or, where these are no
+/// projections, that of the membrane over the curves. A Coons patch follows tubes, which a plate through few
+/// curves does not; where its sides turn around different axes it bulges. Of both the one that bends less,
+/// together with its neighbours, is taken.
+void start_flow(FlowMesh& mesh);
 
 /// Rounds of STEP 1 and STEP 2 of H 6.4.1.
 class CurvatureFlow {
@@ -37,6 +59,8 @@ class CurvatureFlow {
   CurvatureFlow(FlowMesh& mesh, const DiffusionOptions& options);
   /// One round. @return the move of every vertex, n lengths.
   Eigen::VectorXd round();
+  /// Divides the time step by three.
+  void slow_down() { time_step_ /= 3; }
   /// Triangles that would have folded in the last round and were held back.
   int n_held_back() const { return n_held_back_; }
 
@@ -50,6 +74,7 @@ class CurvatureFlow {
   std::vector<int> index_;  ///< per vertex its unknown, or −1
   int n_unknown_ = 0, n_held_back_ = 0;
   SparseCholesky diffusion_, refit_;
+  double time_step_;
   Eigen::VectorXd moved_;
 };
 

@@ -16,6 +16,7 @@
 #include "batten/sketch/cage_fit_detail.hpp"
 #include "batten/sketch/coons.hpp"
 #include "batten/sketch/curvature_flow_detail.hpp"
+#include "batten/sketch/face_parts_detail.hpp"
 #include "batten/sketch/face_split_detail.hpp"
 #include "batten/sketch/refined_mesh_detail.hpp"
 
@@ -35,8 +36,10 @@ constexpr int kFirstRings = 1;
 /// The weights by which a cage follows its limit points fall to 1e-5 over so many quads.
 constexpr int kReachOfCage = 8;
 
-/// A flow that has moved so many times farther than before in one round runs away; the shape before is kept.
+/// A flow that has moved so many times farther than before in one round runs away: it goes back to where it
+/// was, and on with a smaller time step, so many times at most.
 constexpr double kDivergence = 4;
+constexpr int kMostSlowdowns = 4;
 
 /// What the surface knows of an edge of the model, to see whether it has changed, and its vertices.
 struct EdgeRecord {
@@ -45,6 +48,7 @@ struct EdgeRecord {
   std::array<int, 2> vertices{-1, -1};
   std::array<bool, 2> has_face{false, false};
   double sharpness = 0;
+  int parts = 1;  // each is split as often as the faces are
   std::vector<int> chain;
 
   bool same_place(const SketchEdge& edge) const {
@@ -62,11 +66,16 @@ struct FaceRecord {
   /// Its part of the surface is not (yet) what the model asks for.
   bool stale = false;
   /// Its inner vertices have begun on a Coons patch, not on a plate.
-  bool is_coons = false;
+  bool is_coons = false, is_projection = false;
   /// The flow would fold it: it stays as it started.
   bool frozen = false;
   std::vector<int> sides, inner;
+  detail::FaceSides measures;
   std::vector<std::array<int, 4>> quads;
+  /// Edges of quads that are sharp in the cage, though nothing was drawn: at corners between sharp sides the
+  /// rules of Catmull–Clark are those of convex corners, and fold the surface where the face is concave. So
+  /// the cut from there divides it into corners that are not.
+  std::vector<std::array<int, 2>> relief;
   detail::PlanePoints domain;
   std::vector<std::array<int, 4>> domain_quads;  // the same quads in rows of `domain`
   Box box{Vector3d::Zero(), Vector3d::Zero()};
@@ -211,13 +220,33 @@ struct EditedSurface::Implementation {
     std::vector<size_t> new_faces;
     for (size_t f = 0; f < faces.size(); ++f)
       if (is_new(f)) new_faces.push_back(f);
-    for (const size_t f : new_faces) {
+    const auto forget = [&](size_t f) {
       release(faces[f].inner);
       faces[f] = FaceRecord();
+    };
+    for (const size_t f : new_faces) {
+      forget(f);
+      if (face_now(f).alive) faces[f].measures = measures_of(mesh, face_now(f));
     }
+    std::vector<const detail::FaceSides*> measures(faces.size(), nullptr);
+    for (size_t f = 0; f < faces.size(); ++f)
+      if (face_now(f).alive) measures[f] = &faces[f].measures;
+    const std::vector<int> parts = detail::parts_of_edges(edges.size(), measures);
+    // Faces whose sides have other numbers of parts than before are split anew.
+    for (size_t e = 0; e < edges.size(); ++e) {
+      if (!edges[e].alive || !edge_now(e).alive || edges[e].parts == parts[e]) continue;
+      for (const int f : edge_now(e).faces)
+        if (f >= 0 && faces[at(f)].alive) {
+          detail::FaceSides kept = std::move(faces[at(f)].measures);
+          forget(at(f));
+          faces[at(f)].measures = std::move(kept);
+          new_faces.push_back(at(f));
+        }
+    }
+    std::sort(new_faces.begin(), new_faces.end());
     const int n = 1 << options.splits;
     for (size_t e = 0; e < edges.size(); ++e)
-      if (edges[e].alive && !edges[e].same_place(edge_now(e))) {
+      if (edges[e].alive && !(edges[e].same_place(edge_now(e)) && edges[e].parts == parts[e])) {
         std::vector<int> inner(edges[e].chain.begin() + 1, edges[e].chain.end() - 1);
         release(inner);
         edges[e] = EdgeRecord();
@@ -239,9 +268,11 @@ struct EditedSurface::Implementation {
       EdgeRecord& edge = edges[e];
       if (!now.alive || edge.same(now)) continue;
       if (!edge.alive) {
-        const Points samples = now.drawn ? now.polyline->sampled(n) : course_of_tie(mesh, now, n);
+        edge.parts = parts[e];
+        const int count = n * edge.parts;
+        const Points samples = now.drawn ? now.polyline->sampled(count) : course_of_tie(mesh, now, count);
         edge.chain.push_back(of_vertex[at(now.vertices[0])]);
-        for (int k = 1; k < n; ++k) edge.chain.push_back(add(samples.row(k)));
+        for (int k = 1; k < count; ++k) edge.chain.push_back(add(samples.row(k)));
         edge.chain.push_back(of_vertex[at(now.vertices[1])]);
       }
       edge.alive = true;
@@ -255,6 +286,23 @@ struct EditedSurface::Implementation {
       if (face_now(f).alive) split(faces[f], face_now(f));
   }
 
+  detail::FaceSides measures_of(const PolylineMesh& mesh, const SketchFace& face) const {
+    constexpr int kSamples = 8;
+    detail::FaceSides measures;
+    std::vector<Points> sides;
+    for (const int side : face.sides) {
+      const SketchEdge& edge = mesh.edge(edge_of(side));
+      Points samples = edge.drawn ? edge.polyline->sampled(kSamples) : course_of_tie(mesh, edge, kSamples);
+      if (side & 1) samples = samples.colwise().reverse().eval();
+      measures.edges.push_back(edge_of(side));
+      measures.lengths.push_back(detail::polyline_length(samples));
+      sides.push_back(std::move(samples));
+    }
+    measures.corners = detail::corners_of_quadrilateral(sides);
+    measures.parts = detail::parts_at_concave_corners(sides);
+    return measures;
+  }
+
   void split(FaceRecord& face, const SketchFace& now) {
     face.alive = face.stale = true;
     face.sides = now.sides;
@@ -262,10 +310,13 @@ struct EditedSurface::Implementation {
     std::vector<int> vertices;
     for (const int side : now.sides) {
       const std::vector<int> chain = along(side);
-      Points points(static_cast<Index>(chain.size()), 3);
-      for (size_t k = 0; k < chain.size(); ++k)
-        points.row(static_cast<Index>(k)) = targets[at(chain[k])].transpose();
-      sides.push_back(std::move(points));
+      const Index n = Index{1} << options.splits;
+      for (size_t first = 0; first + 1 < chain.size(); first += static_cast<size_t>(n)) {
+        Points points(n + 1, 3);
+        for (Index k = 0; k <= n; ++k)
+          points.row(k) = targets[at(chain[first + static_cast<size_t>(k)])].transpose();
+        sides.push_back(std::move(points));
+      }
       vertices.insert(vertices.end(), chain.begin(), chain.end() - 1);
     }
     detail::FaceSplit made = detail::split_face_into_quads(sides, options.splits);
@@ -277,6 +328,17 @@ struct EditedSurface::Implementation {
     for (const std::array<int, 4>& quad : made.quads)
       face.quads.push_back(
           {vertices[at(quad[0])], vertices[at(quad[1])], vertices[at(quad[2])], vertices[at(quad[3])]});
+    const auto is_sharp_corner = [&](int v) {  // a vertex of the boundary
+      for (size_t k = 0; k < now.sides.size(); ++k) {
+        const size_t before = (k + now.sides.size() - 1) % now.sides.size();
+        if (along(now.sides[k]).front() == vertices[at(v)])
+          return edges[at(edge_of(now.sides[k]))].sharpness >= 1 &&
+                 edges[at(edge_of(now.sides[before]))].sharpness >= 1;
+      }
+      return false;
+    };
+    for (const auto& [corner, next] : made.cuts)
+      if (is_sharp_corner(corner)) face.relief.push_back({vertices[at(corner)], vertices[at(next)]});
     face.is_coons = made.square.rows() > 0;
     if (face.is_coons) {
       Points loop(made.n_boundary, 3);
@@ -285,6 +347,7 @@ struct EditedSurface::Implementation {
       for (Index v = made.n_boundary; v < made.domain.rows(); ++v)
         positions[at(vertices[static_cast<size_t>(v)])] = coons.at(made.square(v, 0), made.square(v, 1));
     }
+    face.is_projection = made.is_projection;
     face.domain = std::move(made.domain);
     face.domain_quads = std::move(made.quads);
   }
@@ -396,6 +459,9 @@ struct EditedSurface::Implementation {
         part.mesh.offsets.push_back(static_cast<int>(part.mesh.corners.size()));
         part.face_of_quad.push_back(f);
       }
+    for (const int f : set.list)
+      for (const auto& [corner, next] : faces[at(f)].relief)
+        part.sharp_edges.push_back({local[at(corner)], local[at(next)], kInfinitelySharp});
     const size_t n = part.vertices.size();
     part.complete.assign(n, 1);
     part.border.assign(n, 0);
@@ -453,7 +519,7 @@ struct EditedSurface::Implementation {
     const Part around = part(surroundings, mesh);
     const auto n = around.vertices.size();
     // The same vertices seen from the region alone: those that are complete there may move.
-    std::vector<char> movable(n, 0), fresh(n, 0), at_rim(n, 0), frozen(n, 0);
+    std::vector<char> movable(n, 0), at_rim(n, 0), frozen(n, 0);
     for (size_t v = 0; v < n; ++v) local[at(around.vertices[v])] = static_cast<int>(v);
     for (const int f : region.list) {
       bool outermost = false;
@@ -466,13 +532,8 @@ struct EditedSurface::Implementation {
           movable[at(local[at(v)])] = 1;
           if (faces[at(f)].frozen) frozen[at(local[at(v)])] = 1;
           if (outermost) at_rim[at(local[at(v)])] = 1;
-          if (faces[at(f)].stale && !faces[at(f)].is_coons) fresh[at(local[at(v)])] = 1;
         }
     }
-    for (const int f : region.list)
-      if (faces[at(f)].stale && faces[at(f)].is_coons)
-        for (const std::array<int, 4>& quad : faces[at(f)].quads)
-          for (const int v : quad) fresh[at(local[at(v)])] = 0;
     for (const int f : surroundings.list)
       if (!region.has[at(f)])
         for (const std::array<int, 4>& quad : faces[at(f)].quads)
@@ -484,10 +545,15 @@ struct EditedSurface::Implementation {
     flow.triangles.resize(2 * around.mesh.n_faces(), 3);
     flow.domain.resize(2 * around.mesh.n_faces(), 3);
     flow.patch.resize(static_cast<size_t>(2 * around.mesh.n_faces()));
-    flow.n_patches = static_cast<int>(surroundings.list.size());
     Index t = 0, q = 0;
     for (size_t patch = 0; patch < surroundings.list.size(); ++patch) {
-      const FaceRecord& face = faces[at(surroundings.list[patch])];
+      const int f = surroundings.list[patch];
+      const FaceRecord& face = faces[at(f)];
+      const bool begins = region.has[at(f)] && face.stale;
+      flow.patches.push_back({!begins         ? detail::FlowPatch::Begin::Kept
+                              : face.is_coons ? detail::FlowPatch::Begin::Coons
+                                              : detail::FlowPatch::Begin::Plate,
+                              face.is_projection});
       for (const std::array<int, 4>& in_domain : face.domain_quads) {
         const int* c = &around.mesh.corners[static_cast<size_t>(4 * q++)];
         const auto in_space = detail::cut_along_corners({c[0], c[1], c[2], c[3]});
@@ -512,10 +578,9 @@ struct EditedSurface::Implementation {
       flow.targets.row(static_cast<Index>(v)) = targets[at(around.vertices[v])].transpose();
       flow.fixed[v] = around.held[v] || around.border[v] || !movable[v];
       flow.without_row[v] = around.border[v] || !around.complete[v];
-      if (around.soft[v]) fresh[v] = 0;
     }
     if (start) {
-      detail::start_flow(flow, fresh);
+      detail::start_flow(flow);
       for (size_t v = 0; v < n; ++v)
         started[at(around.vertices[v])] = flow.positions.row(static_cast<Index>(v));
     }
@@ -529,6 +594,7 @@ struct EditedSurface::Implementation {
     detail::CurvatureFlow rounds(flow, options);
     Points best = flow.positions;
     double least = std::numeric_limits<double>::infinity();
+    int n_slowdowns = 0;
     for (int round = 0; round < options.rounds; ++round) {
       progress.report("flow", static_cast<double>(round) / options.rounds);
       last.last_move = rounds.round().maxCoeff() / diameter;
@@ -537,7 +603,11 @@ struct EditedSurface::Implementation {
         least = last.last_move;
         best = flow.positions;
       }
-      if (last.last_move < options.tolerance || !(last.last_move < kDivergence * least)) break;
+      if (last.last_move < options.tolerance) break;
+      if (last.last_move < kDivergence * least) continue;
+      flow.positions = best;
+      if (n_slowdowns++ == kMostSlowdowns) break;
+      rounds.slow_down();
     }
     if (least < last.last_move) {
       flow.positions = best;
@@ -610,7 +680,7 @@ struct EditedSurface::Implementation {
   }
 
   /// Lets the cage follow the region.
-  void fit_cage(const FaceSet& region, const PolylineMesh& mesh, const Progress& progress) {
+  void fit_cage(const FaceSet& region, const PolylineMesh& mesh) {
     FaceSet around = region;
     for (int reach = 0; reach < kReachOfCage + 1; reach += 1 << options.splits)
       if (!grow(around, mesh)) break;
@@ -621,7 +691,8 @@ struct EditedSurface::Implementation {
     fitted.sharp_edges = part_of.sharp_edges;
     for (size_t v = 0; v < part_of.vertices.size(); ++v)
       fitted.mesh.positions.row(static_cast<Index>(v)) = cage[at(part_of.vertices[v])].transpose();
-    detail::fit_limit(fitted, part_of.mesh.positions, part_of.complete, progress);
+    detail::fit_limit(fitted, part_of.mesh.positions, part_of.complete,
+                      options.fidelity > 0 ? part_of.soft : part_of.held);
     for (size_t v = 0; v < part_of.vertices.size(); ++v)
       cage[at(part_of.vertices[v])] = fitted.mesh.positions.row(static_cast<Index>(v));
   }
@@ -678,7 +749,7 @@ SurfaceUpdate EditedSurface::update(const PolylineMesh& mesh, const Progress& pr
     for (const int v : own.faces[at(f)].inner) own.cage[at(v)] = own.positions[at(v)];
   {
     const ScopedStage stage(own.last.times, "cage");
-    own.fit_cage(region, mesh, progress);
+    own.fit_cage(region, mesh);
   }
   for (const int f : region.list) {
     own.faces[at(f)].stale = false;
@@ -727,6 +798,9 @@ DiffusionSurface EditedSurface::surface(const PolylineMesh& mesh) const {
       refined.offsets.push_back(static_cast<int>(refined.corners.size()));
       surface.face_of_quad.push_back(static_cast<int>(f));
     }
+  for (const FaceRecord& face : own.faces)
+    for (const auto& [corner, next] : face.relief)
+      surface.refined.sharp_edges.push_back({number[at(corner)], number[at(next)], kInfinitelySharp});
   detail::turn_outwards(mesh, refined, surface.face_of_quad);
   surface.cage = surface.refined;
   for (size_t v = 0; v < order.size(); ++v)

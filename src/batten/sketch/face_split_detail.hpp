@@ -22,6 +22,9 @@ struct FaceSplit {
   /// third the one nearest to its centroid.
   std::vector<std::array<int, 4>> quads;
   int n_pieces = 0;
+  /// Where concave corners are cut off: the corner, and the next vertex on the cut.
+  std::vector<std::array<int, 2>> cuts;
+  bool is_grid = false;  ///< one piece: rows and columns instead of quads around a centroid
   /// Of an undivided face of four corners (sides that go on smoothly count as one): another domain, the unit
   /// square; else 0 × 2.
   PlanePoints square;
@@ -29,6 +32,11 @@ struct FaceSplit {
   /// because the face overlaps itself in its plane or turns away from it.
   bool is_projection = false;
 };
+
+/// Parts per side, mostly 1: into how many it should be divided before the face is split, so that cuts from
+/// concave corners find a vertex opposite. @param sides as below, with any number of points, the same on
+/// each.
+std::vector<int> parts_at_concave_corners(const std::vector<Points>& sides);
 
 /// @param sides the points of each side of a face in order, (2^splits + 1) × 3, the last of one being the
 /// first of the next; two sides or more.

@@ -64,21 +64,13 @@ bool has_curve(const PolylineMesh& mesh, const std::vector<int>& chain, int curv
   return std::any_of(chain.begin(), chain.end(), [&](int s) { return mesh.edge(edge_of(s)).curve == curve; });
 }
 
+/// Whether a way over faces leads from the one to the other. Searched from both ends in turns.
 bool connected(const PolylineMesh& mesh, int face, int other) {
-  std::vector<char> seen(mesh.faces().size(), 0);
-  std::vector<int> stack{face};
-  seen[static_cast<size_t>(face)] = 1;
-  while (!stack.empty()) {
-    const int current = stack.back();
-    stack.pop_back();
-    if (current == other) return true;
-    for (const int side : mesh.face(current).sides) {
-      const int next = mesh.face_of(opposite_side(side));
-      if (next < 0 || seen[static_cast<size_t>(next)]) continue;
-      seen[static_cast<size_t>(next)] = 1;
-      stack.push_back(next);
-    }
-  }
+  if (face == other) return true;
+  std::array<detail::Spread, 2> parts{detail::Spread(mesh, face), detail::Spread(mesh, other)};
+  for (size_t k = 0; !parts[0].is_complete() && !parts[1].is_complete(); k = 1 - k)
+    for (const int f : parts[k].step([](int) { return true; }))
+      if (parts[1 - k].has(f)) return true;
   return false;
 }
 

@@ -22,17 +22,27 @@ EditReport hole_in_face(PolylineMesh& mesh, const Stroke& stroke, double snap, d
   double least = std::numeric_limits<double>::infinity();
   FaceFan fan;
   const Vector3d centre = stroke.points.colwise().mean();
-  for (size_t f = 0; f < mesh.faces().size(); ++f) {
-    if (!mesh.faces()[f].alive) continue;
-    FaceFan candidate = detail::face_fan(mesh, mesh.faces()[f].sides);
-    double sum = candidate.distance(centre);
-    for (Index k = 0; k < 12; ++k)
-      sum += candidate.distance(stroke.points.row(k * stroke.points.rows() / 12));
-    if (sum / 13 >= least) continue;
-    least = sum / 13;
-    face = static_cast<int>(f);
-    fan = std::move(candidate);
-  }
+  Points probes(13, 3);
+  probes.row(0) = centre.transpose();
+  for (Index k = 0; k < 12; ++k) probes.row(k + 1) = stroke.points.row(k * stroke.points.rows() / 12);
+  // The mean distance of the probes; of faces equally near, the lowest. A fan lies in the box of its face.
+  const auto bound = [&](const Box& box) {
+    double sum = 0;
+    for (Index k = 0; k < probes.rows(); ++k) sum += detail::distance_below(box, probes.row(k));
+    return sum / 13;
+  };
+  const auto visit = [&](int f) {
+    FaceFan candidate = detail::face_fan(mesh, mesh.face(f).sides);
+    double sum = 0;
+    for (Index k = 0; k < probes.rows(); ++k) sum += candidate.distance(probes.row(k));
+    if (sum / 13 < least || (sum / 13 == least && f < face)) {
+      least = sum / 13;
+      face = f;
+      fan = std::move(candidate);
+    }
+    return least;
+  };
+  mesh.face_boxes().visit_nearest(bound, visit);
   const double allowed = std::max(2 * snap, 0.35 * std::sqrt(fan.area));
   if (face < 0 || least > allowed)
     throw RefusedEdit(
@@ -148,19 +158,31 @@ EditReport hole_in_face(PolylineMesh& mesh, const Stroke& stroke, double snap, d
   return report;
 }
 
-/// The faces on one side of a closed curve.
-std::vector<int> region(const PolylineMesh& mesh, int curve, int start) {
-  std::vector<char> seen(mesh.faces().size(), 0);
-  std::vector<int> found{start};
-  seen[static_cast<size_t>(start)] = 1;
-  for (size_t k = 0; k < found.size(); ++k)
-    for (const int side : mesh.face(found[k]).sides) {
-      const int next = mesh.face_of(opposite_side(side));
-      if (next < 0 || mesh.edge(edge_of(side)).curve == curve || seen[static_cast<size_t>(next)]) continue;
-      seen[static_cast<size_t>(next)] = 1;
-      found.push_back(next);
-    }
-  return found;
+/// The sides of a closed curve, each from a face at it. Both grow in turns, so that the cost follows the
+/// smaller one, not the model.
+/// @return the faces of the one with the smaller area; nothing where both sides are one.
+std::vector<int> smaller_side(const PolylineMesh& mesh, int curve, const std::array<int, 2>& starts) {
+  const auto may_cross = [&](int side) { return mesh.edge(edge_of(side)).curve != curve; };
+  std::array<detail::Spread, 2> parts{detail::Spread(mesh, starts[0]), detail::Spread(mesh, starts[1])};
+  size_t done = 2;
+  for (size_t k = 0; done == 2; k = 1 - k) {
+    for (const int f : parts[k].step(may_cross))
+      if (parts[1 - k].has(f)) return {};
+    if (parts[k].is_complete()) done = k;
+  }
+  const auto area_of = [&](int f) { return detail::face_fan(mesh, mesh.face(f).sides).area; };
+  double area = 0, other_area = 0;
+  for (const int f : parts[done].faces()) area += area_of(f);
+  // Areas only add up: the other side is the larger as soon as a part of it is. Of equal sides the first
+  // goes.
+  detail::Spread& other = parts[1 - done];
+  const auto is_larger = [&] { return done == 0 ? other_area >= area : other_area > area; };
+  for (size_t k = 0; !is_larger(); ++k) {
+    while (k >= other.faces().size() && !other.is_complete()) other.step(may_cross);
+    if (k >= other.faces().size()) return other.faces();
+    other_area += area_of(other.faces()[k]);
+  }
+  return parts[done].faces();
 }
 
 /// χ of some faces with their outlines.
@@ -204,15 +226,10 @@ EditReport cut_hole(PolylineMesh& mesh, const DrawnStroke& drawn, const InsertOp
   EditReport report = detail::insert_ready(mesh, stroke, contacts, snap, inside, &curve);
   const std::vector<int> rim = mesh.edges_of_curve(curve);
   const SketchEdge& first = mesh.edge(rim.front());
-  std::array<std::vector<int>, 2> parts{region(mesh, curve, first.faces[0]),
-                                        region(mesh, curve, first.faces[1])};
-  if (std::count(parts[0].begin(), parts[0].end(), first.faces[1]) > 0)
+  const std::vector<int> gone = smaller_side(mesh, curve, first.faces);
+  if (gone.empty())
     throw RefusedEdit("the stroke goes around a handle or an opening, so that nothing lies inside it",
                       "draw the hole around a part of the surface");
-  double areas[2] = {0, 0};
-  for (size_t k = 0; k < 2; ++k)
-    for (const int f : parts[k]) areas[k] += detail::face_fan(mesh, mesh.face(f).sides).area;
-  const std::vector<int>& gone = parts[areas[0] <= areas[1] ? 0 : 1];
   if (const int chi = euler_characteristic(mesh, gone); chi != 1)
     throw RefusedEdit("what lies inside the stroke has an opening or a handle of its own",
                       "draw the hole where the surface is whole");

@@ -34,6 +34,12 @@ size_t corner_in(const PolylineMesh& mesh, const std::vector<int>& walk, int ver
       walk.begin());
 }
 
+bool is_at_border(const PolylineMesh& mesh, int vertex) {
+  const auto& edges = mesh.vertex(vertex).edges;
+  return std::any_of(edges.begin(), edges.end(),
+                     [&](int e) { return mesh.edge(e).faces[0] < 0 || mesh.edge(e).faces[1] < 0; });
+}
+
 std::vector<Walkway> walkways(const PolylineMesh& mesh, int from, int to) {
   std::vector<Walkway> found;
   for (const int e : mesh.vertex(from).edges) {
@@ -43,7 +49,7 @@ std::vector<Walkway> walkways(const PolylineMesh& mesh, int from, int to) {
     if (way.face >= 0) {
       way.walk = mesh.face(way.face).sides;
     } else {
-      if (mesh.face_of(opposite_side(side)) < 0) continue;
+      if (mesh.face_of(opposite_side(side)) < 0 || !is_at_border(mesh, to)) continue;
       way.opening = side;
       way.walk = mesh.opening(side);
     }
@@ -110,22 +116,26 @@ bool heads_for_faces(const PolylineMesh& mesh, const Walkway& opening, int from,
   if (passed.edge < 0)
     throw RefusedEdit(where, "cross every curve on the way, or draw it in parts from curve to curve");
   const std::string distance = text_of_length(passed.distance);
+  const bool is_within = passed.distance <= snap;  // met, but taken for one place with a curve beside it
   throw RefusedEdit(
       concat(where, ": it passes c", mesh.edge(passed.edge).curve, " at a distance of ", distance,
-             passed.distance > snap ? concat(", more than the snapping distance of ", text_of_length(snap))
-                                    : ""),
-      concat("draw it through c", mesh.edge(passed.edge).curve, ", or give a snap of ",
-             text_of_length(1.05 * std::max(passed.distance, snap)),
-             " or more; to close the opening instead, give \"into\": \"opening\""));
+             is_within ? ", which counts as one place with another that it meets"
+                       : concat(", more than the snapping distance of ", text_of_length(snap))),
+      concat("draw it through c", mesh.edge(passed.edge).curve,
+             is_within ? concat(", or give a snap below ", text_of_length(snap))
+                       : concat(", or give a snap of ", text_of_length(1.05 * passed.distance), " or more"),
+             "; to close the opening instead, give \"into\": \"opening\""));
 }
 
 /// Refuses a closed stroke that lies on a face without touching a curve: it would be meant as a hole.
 void refuse_on_face(const PolylineMesh& mesh, const Stroke& stroke, double snap) {
   const Box own{stroke.points.colwise().minCoeff(), stroke.points.colwise().maxCoeff()};
   const double reach = std::max(2 * snap, 0.05 * (own.high - own.low).norm());
-  for (size_t f = 0; f < mesh.faces().size(); ++f) {
-    if (!mesh.faces()[f].alive) continue;
-    const FaceFan fan = face_fan(mesh, mesh.faces()[f].sides);
+  Box near = own;
+  near.low.array() -= 1.01 * reach;  // more than the box of the fan below is grown by, whatever the rounding
+  near.high.array() += 1.01 * reach;
+  for (const int f : mesh.face_boxes().meeting(near)) {
+    const FaceFan fan = face_fan(mesh, mesh.face(f).sides);
     Box box{fan.outline.colwise().minCoeff(), fan.outline.colwise().maxCoeff()};
     box.low.array() -= reach;
     box.high.array() += reach;

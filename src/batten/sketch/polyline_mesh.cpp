@@ -52,6 +52,14 @@ void erase_one(std::vector<int>& values, int value) {
   values.erase(std::find(values.begin(), values.end(), value));
 }
 
+void insert_sorted(std::vector<int>& values, int value) {
+  values.insert(std::lower_bound(values.begin(), values.end(), value), value);
+}
+
+void erase_sorted(std::vector<int>& values, int value) {
+  values.erase(std::lower_bound(values.begin(), values.end(), value));
+}
+
 int count_alive(const auto& elements) {
   return static_cast<int>(
       std::count_if(elements.begin(), elements.end(), [](const auto& e) { return e.alive; }));
@@ -73,7 +81,7 @@ bool PolylineMesh::operator==(const PolylineMesh& other) const {
 }
 
 bool PolylineMesh::empty() const {
-  return std::none_of(edges_.begin(), edges_.end(), [](const SketchEdge& e) { return e.alive; });
+  return edge_boxes_.empty();
 }
 
 Eigen::Vector3d PolylineMesh::direction_of(int side) const {
@@ -97,10 +105,8 @@ std::vector<int> PolylineMesh::opening(int side) const {
 }
 
 std::vector<int> PolylineMesh::edges_of_curve(int curve) const {
-  std::vector<int> found;
-  for (size_t e = 0; e < edges_.size(); ++e)
-    if (edges_[e].alive && edges_[e].curve == curve) found.push_back(static_cast<int>(e));
-  return found;
+  if (curve < 0 || index(curve) >= edges_of_curve_.size()) return {};
+  return edges_of_curve_[index(curve)];
 }
 
 SketchCounts PolylineMesh::counts() const {
@@ -135,15 +141,7 @@ SketchCounts PolylineMesh::counts() const {
 }
 
 double PolylineMesh::diameter() const {
-  bool any = false;
-  Box all{};
-  for (const SketchEdge& edge : edges_) {
-    if (!edge.alive) continue;
-    if (!any) all = edge.polyline->box();
-    all.include(edge.polyline->box());
-    any = true;
-  }
-  return any ? (all.high - all.low).norm() : 0;
+  return empty() ? 0 : (edge_boxes_.bounds().high - edge_boxes_.bounds().low).norm();
 }
 
 std::string PolylineMesh::problem_of_edge(int number) const {
@@ -280,17 +278,81 @@ void PolylineMesh::roll_back() {
 }
 
 void PolylineMesh::undo(const Change& change) {
-  restore(vertices_, change.vertices.before, change.vertices.size_before);
-  restore(edges_, change.edges.before, change.edges.size_before);
-  restore(faces_, change.faces.before, change.faces.size_before);
-  n_curves_ = change.n_curves_before;
+  replay(change, false);
 }
 
 void PolylineMesh::redo(const Change& change) {
-  restore(vertices_, change.vertices.after, change.vertices.size_after);
-  restore(edges_, change.edges.after, change.edges.size_after);
-  restore(faces_, change.faces.after, change.faces.size_after);
-  n_curves_ = change.n_curves_after;
+  replay(change, true);
+}
+
+void PolylineMesh::replay(const Change& change, bool forwards) {
+  const auto curve_of = [&](int e) { return index(e) < edges_.size() && edge(e).alive ? edge(e).curve : -1; };
+  std::vector<int> old_curves;
+  for (const auto& [e, value] : change.edges.before) old_curves.push_back(curve_of(e));
+  const auto put_back = [&](auto& elements, const auto& part) {
+    restore(elements, forwards ? part.after : part.before, forwards ? part.size_after : part.size_before);
+  };
+  put_back(vertices_, change.vertices);
+  put_back(edges_, change.edges);
+  put_back(faces_, change.faces);
+  n_curves_ = forwards ? change.n_curves_after : change.n_curves_before;
+
+  if (change.edges.before.size() > edges_.size() / 4) {
+    index_everything();
+    return;
+  }
+  edges_of_curve_.resize(std::max(index(n_curves_), edges_of_curve_.size()));
+  std::vector<int> faces;
+  for (const auto& [f, value] : change.faces.before) faces.push_back(f);
+  for (size_t k = 0; k < old_curves.size(); ++k) {
+    const int e = change.edges.before[k].first, curve = curve_of(e);
+    index_edge(e);
+    if (curve >= 0) faces.insert(faces.end(), edge(e).faces.begin(), edge(e).faces.end());
+    if (curve == old_curves[k]) continue;
+    if (old_curves[k] >= 0) erase_sorted(edges_of_curve_[index(old_curves[k])], e);
+    if (curve >= 0) insert_sorted(edges_of_curve_[index(curve)], e);
+  }
+  edges_of_curve_.resize(index(n_curves_));
+  std::sort(faces.begin(), faces.end());
+  faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
+  for (const int f : faces) index_face(f);
+}
+
+void PolylineMesh::index_edge(int e) {
+  if (index(e) < edges_.size() && edge(e).alive)
+    edge_boxes_.set(e, edge(e).polyline->box());
+  else
+    edge_boxes_.remove(e);
+}
+
+void PolylineMesh::index_face(int f) {
+  if (f < 0) return;
+  if (index(f) < faces_.size() && face(f).alive)
+    face_boxes_.set(f, box_of_face(f));
+  else
+    face_boxes_.remove(f);
+}
+
+Box PolylineMesh::box_of_face(int f) const {
+  const std::vector<int>& sides = face(f).sides;
+  Box box = edge(edge_of(sides.front())).polyline->box();
+  for (const int side : sides) box.include(edge(edge_of(side)).polyline->box());
+  return box;
+}
+
+void PolylineMesh::index_everything() {
+  std::vector<std::pair<int, Box>> boxes;
+  edges_of_curve_.assign(index(n_curves_), {});
+  for (int e = 0; e < static_cast<int>(edges_.size()); ++e) {
+    if (!edge(e).alive) continue;
+    boxes.emplace_back(e, edge(e).polyline->box());
+    edges_of_curve_[index(edge(e).curve)].push_back(e);
+  }
+  edge_boxes_.assign(boxes);
+  boxes.clear();
+  for (int f = 0; f < static_cast<int>(faces_.size()); ++f)
+    if (face(f).alive) boxes.emplace_back(f, box_of_face(f));
+  face_boxes_.assign(boxes);
 }
 
 SketchVertex& PolylineMesh::touch_vertex(int v) {
@@ -304,6 +366,7 @@ SketchFace& PolylineMesh::touch_face(int f) {
 }
 
 int PolylineMesh::add_curve() {
+  edges_of_curve_.emplace_back();
   return n_curves_++;
 }
 
@@ -330,6 +393,8 @@ int PolylineMesh::add_edge(int from, int to, SharedPolyline polyline, int curve,
   edge.alive = true;
   touch_vertex(from).edges.push_back(e);
   touch_vertex(to).edges.push_back(e);
+  edges_of_curve_[index(curve)].push_back(e);
+  index_edge(e);
   return e;
 }
 
@@ -340,6 +405,7 @@ int PolylineMesh::add_face(std::vector<int> sides) {
   for (const int side : sides) touch_edge(edge_of(side)).faces[index(side & 1)] = f;
   face.sides = std::move(sides);
   face.alive = true;
+  index_face(f);
   return f;
 }
 
@@ -347,12 +413,15 @@ void PolylineMesh::remove_face(int f) {
   SketchFace& face = touch_face(f);
   for (const int side : face.sides) touch_edge(edge_of(side)).faces[index(side & 1)] = -1;
   face = {};
+  index_face(f);
 }
 
 void PolylineMesh::remove_edge(int e) {
   SketchEdge& edge = touch_edge(e);
   for (const int v : edge.vertices) erase_one(touch_vertex(v).edges, e);
+  erase_sorted(edges_of_curve_[index(edge.curve)], e);
   edge = {};
+  index_edge(e);
 }
 
 void PolylineMesh::remove_vertex(int v) {
@@ -378,6 +447,8 @@ int PolylineMesh::split_edge(int e, double arc_length, const Eigen::Vector3d& at
     const auto found = std::find(sides.begin(), sides.end(), side_of(e, backwards));
     sides.insert(backwards ? found : found + 1, side_of(rest, backwards));
   }
+  index_edge(e);
+  for (const int f : old.faces) index_face(f);
   return middle;
 }
 
@@ -406,6 +477,8 @@ bool PolylineMesh::dissolve_vertex(int v) {
   edge.vertices[leaves_kept ? 0 : 1] = far_end;
   touch_vertex(far_end).edges.push_back(kept);
   touch_vertex(v) = {};
+  index_edge(kept);
+  for (const int f : edge.faces) index_face(f);
   return true;
 }
 
@@ -434,6 +507,7 @@ int PolylineMesh::split_face(int f, const std::vector<int>& chain) {
   auto [first, second] = divided(*this, face(f).sides, chain);
   for (const int side : first) touch_edge(edge_of(side)).faces[index(side & 1)] = f;
   touch_face(f).sides = std::move(first);
+  index_face(f);
   return add_face(std::move(second));
 }
 
@@ -475,6 +549,7 @@ void PolylineMesh::move_everything(const Eigen::Matrix4d& matrix) {
     points.row(points.rows() - 1) = vertex(edge.vertices[1]).position.transpose();
     edge.polyline = std::make_shared<Polyline>(std::move(points));
   }
+  index_everything();
 }
 
 void PolylineMesh::flip_component(int f) {
@@ -514,6 +589,7 @@ PolylineMesh PolylineMeshReader::assemble(std::vector<SketchVertex> vertices, st
   mesh.n_curves_ = n_curves;
   if (const std::string problem = mesh.broken_invariant(); !problem.empty())
     throw InvalidInput("the stored model is damaged: " + problem);
+  mesh.index_everything();
   return mesh;
 }
 

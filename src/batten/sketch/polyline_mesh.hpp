@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 
+#include "batten/mesh/dynamic_box_tree.hpp"
 #include "batten/sketch/polyline.hpp"
 
 namespace batten {
@@ -102,6 +103,12 @@ class PolylineMesh {
   /// The edges of a curve, increasing; empty when there is no such curve.
   std::vector<int> edges_of_curve(int curve) const;
 
+  // Searching. The trees follow every change at once, also within an edit.
+  /// The boxes of the polylines of all edges.
+  const DynamicBoxTree& edge_boxes() const { return edge_boxes_; }
+  /// For every face the box around the polylines of its sides.
+  const DynamicBoxTree& face_boxes() const { return face_boxes_; }
+
   SketchCounts counts() const;
   /// The diagonal of the box around everything: "the diameter"; 0 when empty.
   double diameter() const;
@@ -154,6 +161,11 @@ class PolylineMesh {
   SketchVertex& touch_vertex(int v);
   SketchEdge& touch_edge(int e);
   SketchFace& touch_face(int f);
+  void replay(const Change& change, bool forwards);
+  void index_edge(int e);
+  void index_face(int f);
+  void index_everything();
+  Box box_of_face(int f) const;
 
   std::vector<SketchVertex> vertices_;
   std::vector<SketchEdge> edges_;
@@ -162,6 +174,10 @@ class PolylineMesh {
   bool editing_ = false;
   Change change_;
   std::vector<char> touched_vertices_, touched_edges_, touched_faces_;
+
+  // Kept for searches; they follow from the elements.
+  DynamicBoxTree edge_boxes_, face_boxes_;
+  std::vector<std::vector<int>> edges_of_curve_;
 
   friend class PolylineMeshReader;
 };

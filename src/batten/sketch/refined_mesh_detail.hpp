@@ -16,8 +16,8 @@ Triangles cut_quads(const PolygonMesh& mesh);
 double crease_sharpness(double drawn);
 
 /// Moves the vertices of a cage of quads until its Catmull–Clark limit surface goes through `target`.
-/// @param target n × 3, one per vertex. @throws SolverFailure, Cancelled.
-void fit_limit(ControlCage& cage, const Points& target, const Progress& progress);
+/// @param target n × 3, one per vertex. @throws SolverFailure.
+void fit_limit(ControlCage& cage, const Points& target);
 
 /// Refuses a mesh of quads that folds, crosses itself, is not finite, or whose vertices on curves have left
 /// `start` by more than a share of the size.

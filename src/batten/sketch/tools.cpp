@@ -16,13 +16,8 @@ using detail::require_curve;
 
 double default_snap(const PolylineMesh& mesh, const Points& stroke) {
   Box all{};
-  bool any = false;
-  for (const SketchEdge& edge : mesh.edges()) {
-    if (!edge.alive) continue;
-    if (!any) all = edge.polyline->box();
-    all.include(edge.polyline->box());
-    any = true;
-  }
+  bool any = !mesh.empty();
+  if (any) all = mesh.edge_boxes().bounds();
   if (stroke.rows() > 0 && stroke.allFinite()) {
     const Box own{stroke.colwise().minCoeff(), stroke.colwise().maxCoeff()};
     if (!any) all = own;

@@ -1,4 +1,5 @@
 #pragma once
+#include <unordered_set>
 #include <vector>
 
 #include "batten/sketch/contacts_detail.hpp"
@@ -54,6 +55,34 @@ Eigen::Vector3d half_direction(const PolylineMesh& mesh, const std::vector<int>&
 /// greatest scalar product of their directions (H 5.2.4).
 bool first_faces_first(const PolylineMesh& mesh, const std::array<std::vector<int>, 2>& a,
                        const std::array<std::vector<int>, 2>& b);
+
+/// The faces that can be reached from one of them, in the order of their distance, found step by step.
+class Spread {
+ public:
+  Spread(const PolylineMesh& mesh, int start) : mesh_(mesh), faces_{start}, seen_{start} {}
+  /// Goes on from one face. @param may_cross(side): whether the way leads over this side of the face.
+  /// @return the faces that are new.
+  template <typename MayCross>
+  std::vector<int> step(MayCross may_cross) {
+    std::vector<int> found;
+    if (is_complete()) return found;
+    for (const int side : mesh_.face(faces_[done_++]).sides) {
+      const int next = mesh_.face_of(opposite_side(side));
+      if (next >= 0 && may_cross(side) && seen_.insert(next).second) found.push_back(next);
+    }
+    faces_.insert(faces_.end(), found.begin(), found.end());
+    return found;
+  }
+  bool is_complete() const { return done_ == faces_.size(); }
+  bool has(int face) const { return seen_.count(face) > 0; }
+  const std::vector<int>& faces() const { return faces_; }
+
+ private:
+  const PolylineMesh& mesh_;
+  std::vector<int> faces_;
+  size_t done_ = 0;
+  std::unordered_set<int> seen_;
+};
 
 /// Seam vertices of the curves that meet at the given vertices.
 std::vector<int> seams_near(const PolylineMesh& mesh, const std::vector<int>& vertices);
