@@ -128,7 +128,11 @@ TEST(SketchCommand, ExampleSessionsGiveClosedModelsOfTheirGenus) {
         Example{"charger", 0, 14}, Example{"telephone", 0, 8}}) {
     const std::string name = example.name;
     const Json json = run_json("sketch " + folder + name + ".jsonl -o " + name +
-                               ".batten --strict --levels 1 --surface " + name + ".ply");
+                               ".batten --strict --levels 2 --surface " + name + ".ply");
+    // Sound all over: faces far from convex, half tubes and needles beside holes too.
+    EXPECT_EQ(json["surface"]["crossing_pairs"], 0) << name;
+    EXPECT_EQ(json["surface"]["turned_triangles"], 0) << name;
+    EXPECT_EQ(json["surface"]["not_smoothed"], Json::array()) << name;
     EXPECT_EQ(json["refused"], Json::array()) << name;
     EXPECT_EQ(json["components"], 1) << name;
     EXPECT_EQ(json["boundary_loops"], 0) << name;
@@ -168,7 +172,7 @@ TEST(SketchCommand, MethodV1MakesSurfacesOfAllExampleSessions) {
 }
 
 // The faces of the model are the patches, sharp edges have a normal for each side: closed surfaces of the
-// right genus. Half tubes on long and thin quads (bottle) keep turned triangles, all of them in the handle.
+// right genus.
 TEST(SketchCommand, MethodCurvatureMakesSurfacesOfAllExampleSessions) {
   const std::string folder = std::string(BATTEN_EXAMPLES) + "/sessions/";
   for (const auto& [name, genus] : {std::pair<std::string, int>{"sphere", 0},
@@ -181,10 +185,7 @@ TEST(SketchCommand, MethodCurvatureMakesSurfacesOfAllExampleSessions) {
     const Json json = run_json("sketch " + folder + name + ".jsonl -o " + name +
                                "_curvature.batten --method curvature --surface " + out);
     EXPECT_EQ(json["surface"]["crossing_pairs"], 0) << name;
-    if (name == "bottle")
-      EXPECT_EQ(json["surface"]["broken_faces"], Json::array({"f23", "f24"}));
-    else
-      EXPECT_EQ(json["surface"]["turned_triangles"], 0) << name;
+    EXPECT_EQ(json["surface"]["turned_triangles"], 0) << name;
     const Json surface = run_json("info " + out);
     EXPECT_EQ(surface["genus"], genus) << name;
     EXPECT_EQ(surface["boundary_loops"], 0) << name;
@@ -196,14 +197,16 @@ TEST(SketchCommand, MethodCurvatureMakesSurfacesOfAllExampleSessions) {
 
 // `info` counts crossing pairs from the file alone; every broken face is named in a warning.
 TEST(SketchCommand, FinishedSurfacesThatCrossThemselvesAreToldWithTheirFaces) {
-  const std::string session = std::string(BATTEN_EXAMPLES) + "/sessions/cross.jsonl";
-  const Json json = run_json("sketch " + session + " -o told.batten --surface told.ply");
+  const std::string session = std::string(BATTEN_EXAMPLES) + "/sessions/bottle.jsonl";
+  // One split is too few for half tubes.
+  const Json json = run_json("sketch " + session + " -o told.batten --surface told.ply --splits 1");
   const Json &surface = json["surface"], info = run_json("info told.ply");
   EXPECT_EQ(surface["crossing_pairs"], info["self_intersections"]);
   EXPECT_LE(surface["turned_triangles"].get<int>(), info["folded_faces"].get<int>());
   const bool is_broken =
       surface["crossing_pairs"].get<int>() > 0 || surface["turned_triangles"].get<int>() > 0;
-  EXPECT_EQ(surface["broken_faces"].empty(), !is_broken);
+  EXPECT_TRUE(is_broken);
+  EXPECT_FALSE(surface["broken_faces"].empty());
   const std::string warnings = json["warnings"].dump();
   for (const Json& face : surface["broken_faces"])
     EXPECT_NE(warnings.find(face.get<std::string>()), std::string::npos) << face;

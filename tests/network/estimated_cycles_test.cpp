@@ -197,6 +197,48 @@ TEST(EstimatedCycles, OfAnOpenSheetLeaveItsBackOut) {
   }
 }
 
+/// One network beside another.
+CurveNetwork both(const CurveNetwork& one, const CurveNetwork& other) {
+  CurveNetwork network = one;
+  const auto n = static_cast<int>(one.positions.rows());
+  network.positions.resize(n + other.positions.rows(), 3);
+  network.positions << one.positions, other.positions;
+  for (NetworkCurve curve : other.curves) {
+    for (int& v : curve.vertices) v += n;
+    network.curves.push_back(std::move(curve));
+  }
+  return network;
+}
+
+// A cube above a sheet: the outside of the sheet bounds no patch, nor does it take one from the cube.
+TEST(EstimatedCycles, OfASheetLeaveAClosedPartAlone) {
+  const CurveNetwork sheet =
+      without_normals(samples::square_graph(8, false, [](double x, double y) { return 0.1 * x * y; }));
+  for (const double height : {1.0, 2.0, 4.0}) {
+    CurveNetwork box = cube();
+    box.positions = (0.3 * box.positions).rowwise() + Eigen::RowVector3d(0.6 * height, 0, height);
+    const EstimatedCycles estimate = estimate_cycles(both(sheet, box));
+    EXPECT_EQ(estimate.cycles.size(), 4u + 6u) << height;
+    EXPECT_EQ(estimate.open_curves, (std::vector<int>{0, 1, 2, 3})) << height;
+  }
+}
+
+// A circle drawn on a face of a cube divides it into a disc and the rest; both are patches, and the cube
+// stays closed.
+TEST(EstimatedCycles, OfALoopOnAFaceAreBothOfItsSides) {
+  samples::NetworkBuilder builder;
+  builder.curve(
+      24, false,
+      [](double t) { return Vector3d(0.4 * std::cos(2 * kPi * t), 0.4 * std::sin(2 * kPi * t), 1); },
+      [](const Vector3d&) { return Vector3d(0, 0, 1); });
+  const EstimatedCycles estimate = estimate_cycles(both(cube(), without_normals(builder.build())));
+  EXPECT_EQ(estimate.cycles.size(), 7u);
+  EXPECT_EQ(std::count_if(estimate.cycles.begin(), estimate.cycles.end(),
+                          [](const NetworkCycle& cycle) { return cycle.loops.size() == 2; }),
+            1);
+  EXPECT_TRUE(estimate.open_curves.empty());
+}
+
 // Moved, scaled, with vertices and curves in another order and turned round, a network has the same patches,
 // and its normals turn along.
 TEST(EstimatedCycles, DoNotDependOnPlaceScaleOrOrder) {

@@ -187,6 +187,37 @@ TEST(CleanSketch, CollapsesNodesThatLieTogether) {
   EXPECT_EQ(network_topology(cleaned.network).segments.size(), 12u);
 }
 
+// A part that welding draws together to nothing does not vanish without a word. The small circles are 0.2 %
+// of the large ones; what runs along a longer stroke is no loss.
+TEST(CleanSketch, TellsStrokesOfWhichNothingIsLeft) {
+  CurveNetwork sketch = missing_circles(0);
+  const auto n = sketch.positions.rows();
+  const auto n_large = sketch.curves.size();
+  sketch.positions.conservativeResize(4 * n, 3);
+  sketch.positions.middleRows(n, n) =
+      (0.002 * sketch.positions.topRows(n)).rowwise() + Eigen::RowVector3d(1, 2, 0);
+  sketch.positions.bottomRows(2 * n) << sketch.positions.topRows(n), sketch.positions.topRows(n);
+  for (size_t c = 0; c < n_large; ++c) {
+    NetworkCurve small = sketch.curves[c];
+    for (int& v : small.vertices) v += static_cast<int>(n);
+    small.name = "small";
+    sketch.curves.push_back(std::move(small));
+  }
+  NetworkCurve again = sketch.curves[0];
+  for (int& v : again.vertices) v += static_cast<int>(2 * n);
+  sketch.curves.push_back(again);
+  SketchCleaningOptions options;
+  options.weld_tolerance = 0.01;
+  const CleanedSketch cleaned = clean_sketch(sketch, options);
+  EXPECT_EQ(cleaned.n_left_out, 3);
+  ASSERT_EQ(cleaned.warnings.size(), 3u);
+  for (const std::string& warning : cleaned.warnings)
+    EXPECT_NE(warning.find("small"), std::string::npos) << warning;
+  options.weld_tolerance = 1e-5;
+  options.shortest_side = 0;
+  EXPECT_EQ(clean_sketch(sketch, options).n_left_out, 0);
+}
+
 TEST(CleanSketch, GivesNothingWhereNothingCloses) {
   CurveNetwork sketch;
   fixtures::add_polyline(sketch, fixtures::line({0, 0, 0}, {1, 0, 0}, 5));

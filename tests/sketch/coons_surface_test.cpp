@@ -324,6 +324,34 @@ TEST(CoonsSurface, FarFromConvexFacesAreSound) {
   }
 }
 
+// A foot closed by a line whose ends divide the lower rim of each half of a flaring tube: seen along their
+// mean normal these halves are discs, but their walls run out of sight there. The wall lies on the cone, and
+// nothing hangs below the foot. (The cone's edge bends along the rim; Catmull-Clark through it overshoots.)
+TEST(CoonsSurface, SidesOfTubesMayHaveJoints) {
+  PolylineMesh mesh;
+  const double low = 1.7, high = 2.3;
+  edit(mesh, [&](PolylineMesh& m) {
+    return skin_profiles(m, {circle(kO, low * kX, low * kY), circle(1.2 * kZ, high * kX, high * kY)},
+                         {DrawnStroke{polygon({low * kX, high * kX + 1.2 * kZ}), false},
+                          DrawnStroke{polygon({-low * kX, -high * kX + 1.2 * kZ}), false}},
+                         {});
+  });
+  InsertOptions foot;
+  foot.into = Into::Opening;
+  edit(mesh, [&](PolylineMesh& m) { return insert_curve(m, {polygon({low * kY, -low * kY}), false}, foot); });
+  edit(mesh, [](PolylineMesh& m) { return set_curve_sharpness(m, 0, 1, std::nullopt); });
+  CoonsOptions options;
+  options.through_curves = false;
+  const CoonsSurface surface = coons_surface(mesh, options);
+  const auto off = [&](const Vector3d& p) {
+    const double radius = std::hypot(p.x(), p.y());
+    const double wall = std::abs(radius - low - (high - low) * p.z() / 1.2);
+    return radius < low ? std::min(wall, std::abs(p.z())) : wall;
+  };
+  EXPECT_LT(deviation(surface.refined.mesh.positions, off).largest, 0.06);  // 1.2 % of the diameter
+  EXPECT_GT(surface.fine.positions.col(2).minCoeff(), -0.02);
+}
+
 TEST(CoonsSurface, FoldedSurfacesAreRefusedNamingTheFaces) {
   // A sheet whose outline crosses itself: an eight.
   ControlCage cage = cages::grid(2, 2, [](int i, int j) { return Eigen::RowVector3d(i, j, 0); });

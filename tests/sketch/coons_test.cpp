@@ -99,6 +99,27 @@ TEST(AssociateQuad, TakesTheFourSmallestAngles) {
   }
 }
 
+// Joints in the sides, flat or on half a tube, leave four corners; a fifth corner or a reflex one does not.
+TEST(AssociateQuad, KnowsFacesOfFourCorners) {
+  const auto has_four = [](const std::function<Vector3d(Vector2d)>& map,
+                           const std::vector<Vector2d>& corners) {
+    return associate_quad(sides_over(map, corners)).has_four_corners;
+  };
+  const auto cone = [](const Vector2d& p) {
+    const double radius = 1 + 0.5 * p.y();
+    return Vector3d(radius * std::cos(kPi * p.x()), radius * std::sin(kPi * p.x()), p.y());
+  };
+  for (const auto& map : {std::function<Vector3d(Vector2d)>(flat), std::function<Vector3d(Vector2d)>(cone)}) {
+    EXPECT_TRUE(has_four(map, kSquare));
+    EXPECT_TRUE(has_four(map, {{0, 0}, {0.5, 0}, {1, 0}, {1, 1}, {0, 1}}));
+    EXPECT_TRUE(has_four(map, {{0, 0}, {0.3, 0}, {1, 0}, {1, 1}, {0.6, 1}, {0, 1}, {0, 0.5}}));
+  }
+  std::vector<Vector2d> pentagon;
+  for (int k = 0; k < 5; ++k) pentagon.emplace_back(std::cos(2 * kPi * k / 5), std::sin(2 * kPi * k / 5));
+  EXPECT_FALSE(has_four(flat, pentagon));
+  EXPECT_FALSE(has_four(flat, {{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}}));
+}
+
 TEST(AssociateQuad, GivesTrianglesASideWithoutLengthAndHalvesTheSidesOfDigons) {
   // A needle: its two long sides meet at corner 1.
   const FacePatch triangle = associate_quad(sides_over(flat, {{0, 0}, {4, 0.5}, {0, 1}}));

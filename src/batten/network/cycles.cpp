@@ -262,6 +262,7 @@ class CycleFinder {
     std::vector<Pair> pairs;
     for (std::size_t a = 0; a < orbits_.size(); ++a)
       for (std::size_t b = a + 1; b < orbits_.size(); ++b) {
+        if (lies_outside(orbits_[a]) || lies_outside(orbits_[b])) continue;
         if (orbits_[a].component == orbits_[b].component ||
             !worth_joining({static_cast<int>(a)}, {static_cast<int>(b)}))
           continue;
@@ -294,11 +295,18 @@ class CycleFinder {
     return list;
   }
 
-  /// A loop that is a component of its own and lies on the border: a disc by itself, or one end of a tube.
-  bool lone_border(int orbit) const {
-    const int first = orbits_[orbit].darts.front();
-    return orbits_[orbit].only_boundary &&
-           orbits_[orbit_of_dart_[twin(first)]].darts.size() == orbits_[orbit].darts.size();
+  /// A loop that is a component of its own.
+  bool is_lone(const Orbit& orbit) const {
+    return orbits_[orbit_of_dart_[twin(orbit.darts.front())]].darts.size() == orbit.darts.size();
+  }
+
+  /// A disc by itself, or one end of a tube.
+  bool lone_border(int orbit) const { return orbits_[orbit].only_boundary && is_lone(orbits_[orbit]); }
+
+  /// The outside of a sheet bounds no patch with anything that is near it. The outside of a lone loop may: a
+  /// loop drawn on a patch divides it.
+  bool lies_outside(const Orbit& orbit) const {
+    return orders_ != nullptr && orders_->outside[orbit.darts.front()] && !is_lone(orbit);
   }
 
   bool worth_joining(const std::vector<int>& a, const std::vector<int>& b) const {
@@ -354,7 +362,8 @@ class CycleFinder {
     }
     if (orders_ != nullptr) {
       for (std::size_t d = 0; d < next_.size(); ++d)
-        if (orders_->outside[d]) outside_[group_[orbit_of_dart_[d]]] = 1;
+        if (orders_->outside[d] && !joined[group_[orbit_of_dart_[d]]])
+          outside_[group_[orbit_of_dart_[d]]] = 1;
       return;
     }
     for (std::size_t g = 0; g < orbits_.size(); ++g)

@@ -66,12 +66,12 @@ class Estimate {
     turn_outward();
     EstimatedCycles result;
     result.normals = normals_;
-    tell_open_curves(result);
     count(result);
     CurveNetwork with_normals = network_;
     with_normals.normals = normals_;
     CycleReport report = detail::collect_cycles(with_normals, node_orders());
     result.cycles = std::move(report.cycles);
+    tell_open_curves(result);
     result.warnings.insert(result.warnings.end(), report.warnings.begin(), report.warnings.end());
     for (const detail::DoubtfulOrder& doubt : search.doubtful) result.warnings.push_back(in_words(doubt));
     return result;
@@ -371,12 +371,16 @@ class Estimate {
     return result;
   }
 
+  /// Curves with one patch that are not tagged as border.
   void tell_open_curves(EstimatedCycles& result) const {
+    std::vector<int> n_patches(graph_.topology.segments.size(), 0);
+    for (const NetworkCycle& cycle : result.cycles)
+      for (const NetworkCycle::Loop& loop : cycle.loops)
+        for (const int s : loop.segments) ++n_patches[at(s < 0 ? ~s : s)];
     std::set<int> curves;
-    for (size_t d = 0; d < region_of_.size(); ++d) {
-      const NetworkLink& link = graph_.links[d / 2];
-      if (link.border || !regions_[at(region_of_[d])].outside) continue;
-      for (const int dart : link.darts) curves.insert(graph_.topology.segments[at(dart / 2)].curve);
+    for (size_t s = 0; s < n_patches.size(); ++s) {
+      const NetworkSegment& segment = graph_.topology.segments[s];
+      if (n_patches[s] < 2 && !segment.boundary) curves.insert(segment.curve);
     }
     result.open_curves.assign(curves.begin(), curves.end());
   }

@@ -360,7 +360,9 @@ CurveNetwork without_slivers(const CurveNetwork& network, double tolerance, doub
 }
 
 /// Leaves out segments that end in nothing, and bridges, which would have one patch on both sides.
-CurveNetwork without_tails(const CurveNetwork& network, CleanedSketch& told) {
+/// @param told takes a warning for each. @param left_out takes the segments themselves.
+CurveNetwork without_tails(const CurveNetwork& network, CleanedSketch& told,
+                           std::vector<std::vector<Vector>>& left_out) {
   CurveNetwork pieces = in_segments(network);
   const NetworkTopology topology = network_topology(pieces);
   const std::vector<NetworkSegment>& segments = topology.segments;
@@ -377,6 +379,8 @@ CurveNetwork without_tails(const CurveNetwork& network, CleanedSketch& told) {
     const std::vector<int>& vertices = segments[at(s)].vertices;
     const std::string& name = pieces.curves[at(segments[at(s)].curve)].name;
     ++told.n_left_out;
+    left_out.emplace_back();
+    for (const int v : vertices) left_out.back().push_back(position(pieces, v));
     told.warnings.push_back(concat("the piece ", name.empty() ? std::string() : concat("of ", name, " "),
                                    "from ", coordinates(position(pieces, vertices.front())), " to ",
                                    coordinates(position(pieces, vertices.back())),
@@ -449,6 +453,44 @@ CurveNetwork without_tails(const CurveNetwork& network, CleanedSketch& told) {
           {pieces.curves[at(segments[s].curve)].name, segments[s].boundary, segments[s].vertices});
   pieces.curves = std::move(curves);
   return compacted(std::move(pieces));
+}
+
+/// Tells strokes of which nothing is left, neither in the network nor among what is told already: they are
+/// so small that welding has drawn them together.
+void tell_lost_strokes(const CurveNetwork& strokes, std::vector<std::vector<Vector>> lines, double tolerance,
+                       CleanedSketch& told) {
+  for (const NetworkCurve& curve : told.network.curves) {
+    lines.emplace_back();
+    for (const int v : curve.vertices) lines.back().push_back(position(told.network, v));
+  }
+  std::vector<std::pair<Vector, Vector>> edges;
+  std::vector<Box> boxes;
+  for (const std::vector<Vector>& line : lines)
+    for (size_t k = 1; k < line.size(); ++k) {
+      edges.emplace_back(line[k - 1], line[k]);
+      boxes.push_back({line[k - 1].cwiseMin(line[k]), line[k - 1].cwiseMax(line[k])});
+    }
+  const BoxTree tree(boxes);
+  const auto is_near = [&](const Vector& p) {
+    bool found = false;
+    tree.query({p.array() - tolerance, p.array() + tolerance}, [&](int e) {
+      const auto& [a, b] = edges[at(e)];
+      found = closest_point_on_segment(p, a, b).squared_distance <= tolerance * tolerance;
+      return !found;
+    });
+    return found;
+  };
+  for (size_t c = 0; c < strokes.curves.size(); ++c) {
+    const std::vector<int>& vertices = strokes.curves[c].vertices;
+    if (std::any_of(vertices.begin(), vertices.end(), [&](int v) { return is_near(position(strokes, v)); }))
+      continue;
+    ++told.n_left_out;
+    told.warnings.push_back(concat(curve_name(strokes, static_cast<int>(c)), " from ",
+                                   coordinates(position(strokes, vertices.front())), " to ",
+                                   coordinates(position(strokes, vertices.back())),
+                                   " was left out: it is too short to bound a patch beside the size of the "
+                                   "sketch; surface small parts on their own, or weld within less"));
+  }
 }
 
 void add(WeldReport& sum, const WeldReport& report) {
@@ -540,15 +582,18 @@ CleanedSketch clean_sketch(const CurveNetwork& sketch, const SketchCleaningOptio
   const double shortest = std::max(kShortest * tolerance, options.shortest_side * diameter);
   const double shortest_loop = std::max(shortest, 2 * options.shortest_side * diameter);
   network = without_slivers(network, 2 * tolerance, shortest, shortest_loop, result.n_overdrawn);
-  network = joined_curves(without_tails(network, result));
+  std::vector<std::vector<Vector>> left_out;
+  network = joined_curves(without_tails(network, result, left_out));
   // What was left out may leave other curves behind that are too short to bound a patch.
   for (std::size_t before = 0; before != network.curves.size();) {
     before = network.curves.size();
     network = without_slivers(network, 0, options.shortest_side * diameter,
                               2 * options.shortest_side * diameter, result.n_overdrawn);
-    network = joined_curves(without_tails(network, result));
+    network = joined_curves(without_tails(network, result, left_out));
   }
   result.network = std::move(network);
+  // Ends may have been moved by the tolerance more than once, and overdrawn strokes lie beside another.
+  tell_lost_strokes(strokes, std::move(left_out), 3 * tolerance, result);
   return result;
 }
 

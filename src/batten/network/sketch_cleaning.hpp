@@ -34,8 +34,10 @@ struct CleanedSketch {
   int n_strokes = 0;        ///< curves of the sketch, joined where two of them follow each other
   int n_overdrawn = 0;      ///< pieces left out because another stroke runs there
   int n_extended_ends = 0;  ///< ends extended to the nearest stroke
-  int n_left_out = 0;  ///< pieces left out because they end in nothing or lead to a part by one curve only
-  WeldReport weld;     ///< of all rounds
+  /// Pieces left out because they end in nothing or lead to a part by one curve only, and whole strokes that
+  /// are too short beside the size of the sketch.
+  int n_left_out = 0;
+  WeldReport weld;  ///< of all rounds
   /// What was wrong with the sketch as it came, as diagnose_network() says it: dangling ends, near misses,
   /// overlaps, separate parts.
   std::vector<NetworkFinding> findings;

@@ -34,6 +34,9 @@ std::vector<double> internal_angles(const std::vector<SharedPolyline>& sides) {
   return angles;
 }
 
+/// Angles up to the first make a corner of a side, from the second on a side goes on, if it is not reflex.
+constexpr double kCornerUpTo = 130 * kPi / 180, kJointFrom = 145 * kPi / 180, kJointUpTo = 215 * kPi / 180;
+
 SharedPolyline point(const Vector3d& position) {
   Points points(2, 3);
   points << position.transpose(), position.transpose();
@@ -165,6 +168,9 @@ FacePatch associate_quad(const std::vector<SharedPolyline>& sides) {
   std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) {
     return std::round(angles[a] * 1e6) < std::round(angles[b] * 1e6);
   });
+  const bool has_four_corners =
+      angles[order[3]] <= kCornerUpTo &&
+      (n == 4 || (angles[order[4]] >= kJointFrom && angles[order[n - 1]] <= kJointUpTo));
   std::array<size_t, 4> corners{order[0], order[1], order[2], order[3]};
   std::sort(corners.begin(), corners.end());
   static const std::array<Vector2d, 5> kSquare{Vector2d(0, 0), Vector2d(1, 0), Vector2d(1, 1), Vector2d(0, 1),
@@ -182,7 +188,7 @@ FacePatch associate_quad(const std::vector<SharedPolyline>& sides) {
       walked += sides[k]->length();
     }
   }
-  return {CoonsPatch(joint), std::move(parameters)};
+  return {CoonsPatch(joint), std::move(parameters), has_four_corners};
 }
 
 }  // namespace batten

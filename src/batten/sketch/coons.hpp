@@ -35,6 +35,9 @@ struct FacePatch {
   CoonsPatch patch;
   /// Per corner of the face (corner k is where side k begins) its (u, v), on the border of the square.
   std::vector<Eigen::Vector2d> parameters;
+  /// The face has four sides but for joints where one goes on into the next, as where a curve ends on the
+  /// border of a tube: the patch is then as good as that of a face of four sides, however bent.
+  bool has_four_corners = false;
 
   /// Whether both corners lie on one side of the square, so that the patch runs along the border between
   /// them.

@@ -31,7 +31,8 @@ CurvatureFlow::CurvatureFlow(FlowMesh& mesh, const DiffusionOptions& options)
     : mesh_(mesh),
       options_(options),
       diffusion_("diffusion of mean curvature"),
-      refit_("refit to mean curvature") {
+      refit_("refit to mean curvature"),
+      time_step_(options.time_step) {
   const Index n = mesh.positions.rows();
   index_.assign(static_cast<size_t>(n), -1);
   for (Index v = 0; v < n; ++v)
@@ -149,7 +150,7 @@ void CurvatureFlow::diffuse(const SparseMatrix& K, const Eigen::VectorXd& M, Eig
   for (Index f = 0; f < mesh_.triangles.rows(); ++f) {
     const int patch = mesh_.patch[static_cast<size_t>(f)];
     for (int k = 0; k < 3; ++k) {
-      tau(mesh_.triangles(f, k)) += options_.time_step * finer * area(patch) / count(patch);
+      tau(mesh_.triangles(f, k)) += time_step_ * finer * area(patch) / count(patch);
       met(mesh_.triangles(f, k)) += 1;
     }
   }

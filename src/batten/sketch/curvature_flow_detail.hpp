@@ -59,6 +59,8 @@ class CurvatureFlow {
   CurvatureFlow(FlowMesh& mesh, const DiffusionOptions& options);
   /// One round. @return the move of every vertex, n lengths.
   Eigen::VectorXd round();
+  /// Divides the time step by three.
+  void slow_down() { time_step_ /= 3; }
   /// Triangles that would have folded in the last round and were held back.
   int n_held_back() const { return n_held_back_; }
 
@@ -72,6 +74,7 @@ class CurvatureFlow {
   std::vector<int> index_;  ///< per vertex its unknown, or −1
   int n_unknown_ = 0, n_held_back_ = 0;
   SparseCholesky diffusion_, refit_;
+  double time_step_;
   Eigen::VectorXd moved_;
 };
 

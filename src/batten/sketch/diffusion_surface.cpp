@@ -36,8 +36,10 @@ constexpr int kFirstRings = 1;
 /// The weights by which a cage follows its limit points fall to 1e-5 over so many quads.
 constexpr int kReachOfCage = 8;
 
-/// A flow that has moved so many times farther than before in one round runs away; the shape before is kept.
+/// A flow that has moved so many times farther than before in one round runs away: it goes back to where it
+/// was, and on with a smaller time step, so many times at most.
 constexpr double kDivergence = 4;
+constexpr int kMostSlowdowns = 4;
 
 /// What the surface knows of an edge of the model, to see whether it has changed, and its vertices.
 struct EdgeRecord {
@@ -592,6 +594,7 @@ struct EditedSurface::Implementation {
     detail::CurvatureFlow rounds(flow, options);
     Points best = flow.positions;
     double least = std::numeric_limits<double>::infinity();
+    int n_slowdowns = 0;
     for (int round = 0; round < options.rounds; ++round) {
       progress.report("flow", static_cast<double>(round) / options.rounds);
       last.last_move = rounds.round().maxCoeff() / diameter;
@@ -600,7 +603,11 @@ struct EditedSurface::Implementation {
         least = last.last_move;
         best = flow.positions;
       }
-      if (last.last_move < options.tolerance || !(last.last_move < kDivergence * least)) break;
+      if (last.last_move < options.tolerance) break;
+      if (last.last_move < kDivergence * least) continue;
+      flow.positions = best;
+      if (n_slowdowns++ == kMostSlowdowns) break;
+      rounds.slow_down();
     }
     if (least < last.last_move) {
       flow.positions = best;

@@ -219,11 +219,15 @@ class Splitter {
     return hit;
   }
 
-  /// The fewest equal parts, up to four, whose ends come near all feet.
-  static int parts_through(const std::vector<double>& feet) {
-    int best = 2;
+  /// The fewest equal parts, up to four, that have an end near every foot.
+  static int parts_through(std::vector<double> feet) {
+    std::sort(feet.begin(), feet.end());
+    feet.erase(std::unique(feet.begin(), feet.end(), [](double a, double b) { return b - a < 0.1; }),
+               feet.end());
+    const int fewest = std::min(static_cast<int>(feet.size()) + 1, 4);
+    int best = fewest;
     double least = 1;
-    for (int parts = 2; parts <= 4; ++parts) {
+    for (int parts = fewest; parts <= 4; ++parts) {
       double worst = 0;
       for (const double foot : feet)
         worst =

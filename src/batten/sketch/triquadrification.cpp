@@ -61,8 +61,7 @@ double distance_from_segment(const Vector2d& q, const Vector2d& a, const Vector2
 /// A face as the searches see it.
 class Face {
  public:
-  explicit Face(const std::vector<SharedPolyline>& sides)
-      : sides_(sides), n_(static_cast<int>(sides.size())) {
+  explicit Face(const std::vector<SharedPolyline>& sides) : n_(static_cast<int>(sides.size())) {
     const Vector3d area = doubled_area(sides);
     normal_ = area.stableNormalized();
     origin_ = sides.front()->front();
@@ -96,13 +95,17 @@ class Face {
         is_simple_ =
             !properly_crosses(outline_[i], outline_[(i + 1) % m], outline_[j], outline_[(j + 1) % m]);
     leaves_.assign(at(n_) * at(n_), -1);
-    if (!is_simple_ && n_ > 3) follow_patch();
+    if (n_ <= 3) return;
+    const FacePatch quad = associate_quad(sides);
+    if (n_ > 4 && quad.has_four_corners) is_simple_ = false;
+    if (!is_simple_) follow_patch(quad);
   }
 
   int n() const { return n_; }
   const Vector3d& corner(int k) const { return corners_[at(k)]; }
-  /// Whether the face lies over a plane: its outline, seen along the normal, does not cross itself, and it
-  /// is not bent as far as half a tube. Then inside and outside are known.
+  /// Whether the face is taken to lie over a plane: its outline, seen along the normal, does not cross
+  /// itself, it is not bent as far as half a tube, and it has not four corners, between which its patch is
+  /// known better. Then inside and outside are known.
   bool is_simple() const { return is_simple_; }
   /// Whether the outline, seen along the normal, is not convex. @pre is_simple().
   bool has_reflex_corner() const {
@@ -178,7 +181,8 @@ class Face {
   Points lifted(const Vector2d& from, const Vector2d& to, int n_segments) const;
 
  private:
-  /// A diagonal over the Coons patch of a face that lies over no plane, from one corner to the other.
+  /// A diagonal over the Coons patch of a face that is not taken to lie over a plane, from one corner to the
+  /// other.
   struct Over {
     Vector3d swept, leaving;
     bool along_border = false;
@@ -186,9 +190,9 @@ class Face {
 
   size_t entry(int i, int j) const { return at(i) * at(n_) + at(j); }
 
-  /// Takes diagonals as lines of the Coons patch: straight ones would cut through the face.
-  void follow_patch() {
-    const FacePatch quad = associate_quad(sides_);
+  /// Takes diagonals as lines of the Coons patch of the associated quad: straight ones would cut through the
+  /// face.
+  void follow_patch(const FacePatch& quad) {
     diagonals_.resize(at(n_) * at(n_));
     for (int i = 0; i < n_; ++i)
       for (int j = 0; j < n_; ++j) {
@@ -253,7 +257,6 @@ class Face {
     return false;
   }
 
-  const std::vector<SharedPolyline>& sides_;
   int n_;
   Vector3d normal_, origin_, first_, second_;
   std::vector<Vector3d> corners_, out_, back_, swept_;
