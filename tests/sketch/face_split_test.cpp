@@ -116,6 +116,25 @@ TEST(FaceSplit, LoopsThatOverlapInTheirPlaneAreLaidOutOnADisc) {
   EXPECT_LT(discs, 60);
 }
 
+TEST(FaceSplit, HalfTubesAreUnrolledToRectangles) {
+  // A half cylinder, radius 1, seen from nowhere without foreshortening: its layout is the rectangle of its
+  // sides, however flat.
+  for (const double height : {0.1, 0.3, 1.0, 8.0}) {
+    std::vector<Points> sides(4, Points(9, 3));
+    for (int i = 0; i <= 8; ++i) {
+      const double t = i / 8.0, turn = kPi * t;
+      sides[0].row(i) << std::cos(turn), std::sin(turn), 0;
+      sides[1].row(i) << -1, 0, height * t;
+      sides[2].row(i) << -std::cos(turn), std::sin(turn), height;
+      sides[3].row(i) << 1, 0, height * (1 - t);
+    }
+    const double width = 16 * std::sin(kPi / 16);  // of the polygon of eight segments
+    const FaceSplit split = split_face_into_quads(sides, 3);
+    EXPECT_FALSE(split.is_projection);
+    EXPECT_NEAR(area(split), width * height, 1e-9 * width * height);
+  }
+}
+
 TEST(FaceSplit, FollowsRotationAndScale) {
   // Axes and units play no part: the same quads, and a domain of the same shape.
   Eigen::Matrix3d turn;

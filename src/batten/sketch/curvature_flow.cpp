@@ -22,7 +22,7 @@ constexpr double kLeastTurn = 0.5, kLeastShrink = 0.2;
 
 }  // namespace
 
-Eigen::VectorXd bounded_mass(Eigen::VectorXd mass) {
+Eigen::VectorXd bounded_mass(const Eigen::VectorXd& mass) {
   const double least = 1e-3 * mass.mean();
   return mass.cwiseMax(least);
 }

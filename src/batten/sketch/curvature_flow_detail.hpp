@@ -43,7 +43,7 @@ struct FlowMesh {
 constexpr double kAnchor = 1e-10;
 
 /// Areas of vertices, bounded from below so that the weights 1/M of slivers stay finite.
-Eigen::VectorXd bounded_mass(Eigen::VectorXd mass);
+Eigen::VectorXd bounded_mass(const Eigen::VectorXd& mass);
 
 /// Puts the vertices of patches that begin on a plate there, except those that are fixed, soft, or shared
 /// with a Coons patch: min Σ M |M⁻¹ K X|² over the rows of smooth vertices. It bends on over smooth curves,

@@ -500,7 +500,7 @@ PlanePoints boundary_over(const std::vector<Points>& sides, const std::vector<si
 /// The corners, on a circle, of the quadrilateral with sides of these lengths; of the rectangle with their
 /// means where one is nearly as long as the others together.
 std::array<Vector2d, 4> quadrilateral(const std::array<double, 4>& lengths) {
-  const auto [a, b, c, d] = lengths;
+  const double a = lengths[0], b = lengths[1], c = lengths[2], d = lengths[3];
   const double longest = *std::max_element(lengths.begin(), lengths.end());
   if (longest > 0.48 * (a + b + c + d)) {
     const double width = (a + c) / 2, height = (b + d) / 2;

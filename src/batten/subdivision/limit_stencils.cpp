@@ -95,10 +95,9 @@ Mask blended_vertex_mask(const Ring& ring, const Ring& child) {
   };
   count(ring.corner, child.corner);
   for (int k = 0; k < ring.n_edges; ++k) count(ring.sharpness[at(k)], child.sharpness[at(k)]);
-  const Mask before = vertex_mask(ring);
-  if (n_ending == 0) return before;
+  if (n_ending == 0) return vertex_mask(ring);
   const double share = std::min(left / n_ending, 1.0);
-  return share * before + (1 - share) * vertex_mask(child);
+  return share * vertex_mask(ring) + (1 - share) * vertex_mask(child);
 }
 
 /// The ring of the next level from this one.
