@@ -8,6 +8,7 @@
 
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
+#include "batten/sketch/cage_fit_detail.hpp"
 #include "batten/sketch/coons.hpp"
 #include "batten/sketch/refined_mesh_detail.hpp"
 #include "batten/subdivision/subdivide.hpp"
@@ -318,7 +319,13 @@ void finish(const CoonsOptions& options, CoonsSurface& surface, const Progress& 
       surface.cage = surface.refined;
     }
     surface.cage.polylines.clear();
-    if (options.through_curves) detail::fit_limit(surface.cage, Points(surface.cage.mesh.positions));
+    if (options.through_curves) {
+      const Points target = surface.cage.mesh.positions;
+      const std::vector<char> free(static_cast<size_t>(target.rows()), 1);
+      std::vector<char> exact = surface.on_curve;
+      exact.resize(free.size(), 1);  // what NULISSmod has added
+      detail::fit_limit(surface.cage, target, free, exact);
+    }
   }
   const ScopedStage stage(surface.times, "subdivision");
   take(subdivide(surface.cage, {.levels = levels, .limit = true}, progress), faces, true, surface);

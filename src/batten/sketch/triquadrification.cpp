@@ -24,12 +24,14 @@ using Eigen::Index;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr int kSamples = 8;            ///< per side, for the outline
-constexpr int kMostSides = 40;         ///< for dynamic programming: a tenth of a second
-constexpr double kReflex = 10;         ///< degrees above 180 at which a corner counts as reflex
-constexpr double kTurnedOver = 120;    ///< degrees between a part and its face
-constexpr double kMostBent = 65;       ///< degrees between a corner and its face: 55 in an octant of a sphere
-constexpr double kLeastSine = 0.02;    ///< of the angle at which a diagonal leaves the border
+constexpr int kSamples = 8;          ///< per side, for the outline
+constexpr int kMostSides = 40;       ///< for dynamic programming: a tenth of a second
+constexpr double kReflex = 10;       ///< degrees above 180 at which a corner counts as reflex
+constexpr double kTurnedOver = 120;  ///< degrees between a part and its face
+constexpr double kMostBent = 65;     ///< degrees between a corner and its face: 55 in an octant of a sphere
+constexpr double kBarelyShown =
+    0.7;                             ///< of its length: a piece of the outline of half a tube, flaring or not
+constexpr double kLeastSine = 0.02;  ///< of the angle at which a diagonal leaves the border
 constexpr int kPointsOfDiagonal = 32;  ///< segments of its polyline
 
 size_t at(int i) {
@@ -72,6 +74,7 @@ class Face {
       first_ = Vector3d::UnitX();
       second_ = Vector3d::UnitY();
     }
+    double least_shown = 1;  // of a piece of the outline, in the plane
     for (int k = 0; k < n_; ++k) {
       const Polyline& side = *sides[at(k)];
       corners_.push_back(side.front());
@@ -81,6 +84,9 @@ class Face {
       const Points samples = side.sampled(kSamples);
       Vector3d swept = Vector3d::Zero();
       for (int i = 0; i < kSamples; ++i) {
+        const Vector3d step = samples.row(i + 1) - samples.row(i);
+        if (step.norm() > 0)
+          least_shown = std::min(least_shown, (step - step.dot(normal_) * normal_).norm() / step.norm());
         const Vector3d p = samples.row(i).transpose() - origin_;
         swept += p.cross(Vector3d(samples.row(i + 1).transpose() - origin_));
         outline_.push_back(flat(samples.row(i)));
@@ -97,15 +103,15 @@ class Face {
     leaves_.assign(at(n_) * at(n_), -1);
     if (n_ <= 3) return;
     const FacePatch quad = associate_quad(sides);
-    if (n_ > 4 && quad.has_four_corners) is_simple_ = false;
+    if (n_ > 4 && quad.has_four_corners && least_shown < kBarelyShown) is_simple_ = false;
     if (!is_simple_) follow_patch(quad);
   }
 
   int n() const { return n_; }
   const Vector3d& corner(int k) const { return corners_[at(k)]; }
   /// Whether the face is taken to lie over a plane: its outline, seen along the normal, does not cross
-  /// itself, it is not bent as far as half a tube, and it has not four corners, between which its patch is
-  /// known better. Then inside and outside are known.
+  /// itself, it is not bent as far as half a tube, and it is not a bent face of four corners, between which
+  /// its patch is known better. Then inside and outside are known.
   bool is_simple() const { return is_simple_; }
   /// Whether the outline, seen along the normal, is not convex. @pre is_simple().
   bool has_reflex_corner() const {
