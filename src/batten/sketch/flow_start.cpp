@@ -24,6 +24,8 @@ using Begin = FlowPatch::Begin;
 constexpr double kClearlyLess = 0.75, kMuchMore = 2;
 /// Edges that bend by more than this count as sharp.
 constexpr double kSharpBend = kPi / 4;
+/// Plates are made so many times at most while more and more Coons patches turn out to be better.
+constexpr int kMostTrials = 5;
 
 size_t at(Index i) {
   return static_cast<size_t>(i);
@@ -206,7 +208,8 @@ void choose_beginnings(FlowMesh& mesh) {
   for (size_t p = 0; p < n; ++p) open[p] = mesh.patches[p].begin == Begin::Coons;
   std::vector<std::array<double, 2>> energy(n);
   // Plates for all but those that turn out to want none: tubes collapse, and spoil their neighbours.
-  for (bool again = true; again;) {
+  bool again = true;
+  for (int trial = 0; again && trial < kMostTrials; ++trial) {
     again = false;
     FlowMesh plates = mesh;
     for (size_t p = 0; p < n; ++p)
