@@ -1,3 +1,5 @@
+#include "sketch/straight_sides.hpp"
+
 #include <cmath>
 
 #include <Eigen/Geometry>
@@ -10,19 +12,7 @@ namespace batten::detail {
 namespace {
 
 using Eigen::Vector3d;
-
-std::vector<Points> straight_sides(const std::vector<Vector3d>& corners, int segments) {
-  std::vector<Points> sides;
-  for (size_t k = 0; k < corners.size(); ++k) {
-    Points side(segments + 1, 3);
-    for (int i = 0; i <= segments; ++i) {
-      const double t = static_cast<double>(i) / segments;
-      side.row(i) = (1 - t) * corners[k] + t * corners[(k + 1) % corners.size()];
-    }
-    sides.push_back(side);
-  }
-  return sides;
-}
+using test::straight_sides;
 
 /// A face with straight sides; @param edges of the model, per side.
 FaceSides face(const std::vector<Vector3d>& corners, const std::vector<int>& edges) {

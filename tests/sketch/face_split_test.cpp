@@ -1,3 +1,5 @@
+#include "sketch/straight_sides.hpp"
+
 #include <cmath>
 
 #include <Eigen/Geometry>
@@ -13,18 +15,8 @@ namespace {
 using Eigen::Vector3d;
 
 /// Straight sides between corners, sampled for so many splits.
-std::vector<Points> straight_sides(const std::vector<Vector3d>& corners, int splits) {
-  const int m = 1 << splits;
-  std::vector<Points> sides;
-  for (size_t k = 0; k < corners.size(); ++k) {
-    Points side(m + 1, 3);
-    for (int i = 0; i <= m; ++i) {
-      const double t = static_cast<double>(i) / m;
-      side.row(i) = (1 - t) * corners[k] + t * corners[(k + 1) % corners.size()];
-    }
-    sides.push_back(side);
-  }
-  return sides;
+std::vector<Points> split_sides(const std::vector<Vector3d>& corners, int splits) {
+  return test::straight_sides(corners, 1 << splits);
 }
 
 double twice_area(const FaceSplit& split, const std::array<int, 3>& t) {
@@ -54,7 +46,7 @@ TEST(FaceSplit, ConvexFacesMakeFourToTheSplitsQuarterQuadsPerSide) {
     for (int k = 0; k < n; ++k)
       corners.emplace_back(std::cos(2 * kPi * k / n), std::sin(2 * kPi * k / n), 0.1 * (k % 2));
     for (const int splits : {1, 2, 3, 4}) {
-      const FaceSplit split = split_face_into_quads(straight_sides(corners, splits), splits);
+      const FaceSplit split = split_face_into_quads(split_sides(corners, splits), splits);
       EXPECT_EQ(split.quads.size(), static_cast<size_t>(n) << (2 * splits - 2));
       EXPECT_EQ(split.n_pieces, 1);
       EXPECT_EQ(split.n_boundary, n << splits);
@@ -66,14 +58,14 @@ TEST(FaceSplit, ConvexFacesMakeFourToTheSplitsQuarterQuadsPerSide) {
 TEST(FaceSplit, ConcaveCornersAreCutOff) {
   // The top of the cross of H fig. 3.2: a bar and two arms at least, a middle and four arms at most; the area
   // is that of the drawing.
-  const FaceSplit cross = split_face_into_quads(straight_sides(kCross, 3), 3);
+  const FaceSplit cross = split_face_into_quads(split_sides(kCross, 3), 3);
   EXPECT_GE(cross.n_pieces, 3);
   EXPECT_LE(cross.n_pieces, 5);
   EXPECT_TRUE(cross.is_projection);
   EXPECT_NEAR(area(cross), 20, 1e-9);
   // An L: two pieces.
   const FaceSplit corner = split_face_into_quads(
-      straight_sides({{0, 0, 0}, {3, 0, 0}, {3, 1, 0}, {1, 1, 0}, {1, 3, 0}, {0, 3, 0}}, 2), 2);
+      split_sides({{0, 0, 0}, {3, 0, 0}, {3, 1, 0}, {1, 1, 0}, {1, 3, 0}, {0, 3, 0}}, 2), 2);
   EXPECT_EQ(corner.n_pieces, 2);
   EXPECT_NEAR(area(corner), 5, 1e-9);
 }
@@ -89,13 +81,13 @@ TEST(FaceSplit, ManyConcaveCornersGiveAValidLayout) {
       comb.emplace_back(2 * k - 1, 1, 0);
     }
   }
-  EXPECT_NEAR(area(split_face_into_quads(straight_sides(comb, 3), 3)), 9 + 5 * 2, 1e-9);
+  EXPECT_NEAR(area(split_face_into_quads(split_sides(comb, 3), 3)), 9 + 5 * 2, 1e-9);
   std::vector<Vector3d> star;
   for (int k = 0; k < 14; ++k) {
     const double radius = k % 2 ? 0.3 : 1, turn = kPi * k / 7;
     star.emplace_back(radius * std::cos(turn), radius * std::sin(turn), 0);
   }
-  EXPECT_NEAR(area(split_face_into_quads(straight_sides(star, 3), 3)), 7 * 0.3 * std::sin(kPi / 7), 1e-9);
+  EXPECT_NEAR(area(split_face_into_quads(split_sides(star, 3), 3)), 7 * 0.3 * std::sin(kPi / 7), 1e-9);
 }
 
 TEST(FaceSplit, LoopsThatOverlapInTheirPlaneAreLaidOutOnADisc) {
@@ -108,7 +100,7 @@ TEST(FaceSplit, LoopsThatOverlapInTheirPlaneAreLaidOutOnADisc) {
     const int n = 3 + k % 6;
     for (int i = 0; i < n; ++i)
       corners.emplace_back(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
-    const FaceSplit split = split_face_into_quads(straight_sides(corners, 2), 2);
+    const FaceSplit split = split_face_into_quads(split_sides(corners, 2), 2);
     discs += !split.is_projection;
     area(split);
   }
@@ -141,8 +133,8 @@ TEST(FaceSplit, FollowsRotationAndScale) {
   turn = Eigen::AngleAxisd(1.1, Vector3d(1, 2, -1).normalized());
   std::vector<Vector3d> moved;
   for (const Vector3d& corner : kCross) moved.push_back(1000 * (turn * corner) + Vector3d(5, 6, 7));
-  const FaceSplit one = split_face_into_quads(straight_sides(kCross, 2), 2),
-                  other = split_face_into_quads(straight_sides(moved, 2), 2);
+  const FaceSplit one = split_face_into_quads(split_sides(kCross, 2), 2),
+                  other = split_face_into_quads(split_sides(moved, 2), 2);
   EXPECT_EQ(one.quads.size(), other.quads.size());
   EXPECT_EQ(one.n_pieces, other.n_pieces);
   EXPECT_NEAR(area(other), 1e6 * area(one), 1e-3);
