@@ -84,12 +84,8 @@ EditReport transform_model(PolylineMesh& mesh, const Eigen::Matrix4d& matrix) {
   if (mesh.empty()) throw RefusedEdit("there is nothing to move", "insert a first boundary");
   // As for strokes: squares of coordinates near the ends of the range of double would leave it.
   constexpr double kFarthest = 1e100, kSmallest = 1e-100;
-  double farthest = 0;
-  for (const SketchEdge& edge : mesh.edges()) {
-    if (!edge.alive) continue;
-    const Box box = edge.polyline->box();
-    farthest = std::max({farthest, box.low.cwiseAbs().maxCoeff(), box.high.cwiseAbs().maxCoeff()});
-  }
+  const Box& all = mesh.edge_boxes().bounds();
+  const double farthest = std::max(all.low.cwiseAbs().maxCoeff(), all.high.cwiseAbs().maxCoeff());
   if (!(3 * scale * farthest + matrix.topRightCorner<3, 1>().cwiseAbs().maxCoeff() <= kFarthest))
     throw RefusedEdit(concat("the matrix takes the model beyond ", kFarthest), "give a smaller matrix");
   if (!(scale * mesh.diameter() >= kSmallest))
