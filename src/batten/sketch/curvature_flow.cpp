@@ -99,7 +99,6 @@ void CurvatureFlow::move(const Points& step) {
   const Triangles& triangles = mesh_.triangles;
   Eigen::VectorXd share = Eigen::VectorXd::Ones(X.rows());
   std::vector<char> shorten(static_cast<size_t>(X.rows()));
-  n_held_back_ = 0;
   for (int k = 0; k < 12; ++k) {
     std::fill(shorten.begin(), shorten.end(), 0);
     int n_bad = 0;
@@ -118,7 +117,6 @@ void CurvatureFlow::move(const Points& step) {
       ++n_bad;
       for (int c = 0; c < 3; ++c) shorten[static_cast<size_t>(triangles(f, c))] = 1;
     }
-    if (k == 0) n_held_back_ = n_bad;
     if (n_bad == 0) break;
     for (Index v = 0; v < X.rows(); ++v)
       if (shorten[static_cast<size_t>(v)]) share(v) *= 0.5;

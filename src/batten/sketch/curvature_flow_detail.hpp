@@ -61,8 +61,6 @@ class CurvatureFlow {
   Eigen::VectorXd round();
   /// Divides the time step by three.
   void slow_down() { time_step_ /= 3; }
-  /// Triangles that would have folded in the last round and were held back.
-  int n_held_back() const { return n_held_back_; }
 
  private:
   double similarity(double s, double t) const;
@@ -72,7 +70,7 @@ class CurvatureFlow {
   FlowMesh& mesh_;
   const DiffusionOptions& options_;
   std::vector<int> index_;  ///< per vertex its unknown, or −1
-  int n_unknown_ = 0, n_held_back_ = 0;
+  int n_unknown_ = 0;
   SparseCholesky diffusion_, refit_;
   double time_step_;
   Eigen::VectorXd moved_;

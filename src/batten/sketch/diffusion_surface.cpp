@@ -65,8 +65,9 @@ struct FaceRecord {
   bool alive = false;
   /// Its part of the surface is not (yet) what the model asks for.
   bool stale = false;
-  /// Its inner vertices have begun on a Coons patch, not on a plate.
-  bool is_coons = false, is_projection = false;
+  /// Has four corners: its inner vertices are put onto a Coons patch, which start_flow() may give up.
+  bool is_coons = false;
+  bool is_projection = false;  // as in FaceSplit
   /// The flow would fold it: it stays as it started.
   bool frozen = false;
   std::vector<int> sides, inner;

@@ -73,12 +73,8 @@ class Planner {
   }
 
  private:
-  /// Numbers of the sides between corner c and the next.
   static std::vector<size_t> between(const FaceSides& face, size_t c) {
-    std::vector<size_t> sides;
-    for (size_t k = face.corners[c]; k != face.corners[(c + 1) % 4]; k = (k + 1) % face.edges.size())
-      sides.push_back(k);
-    return sides;
+    return sides_between(face.corners, face.edges.size(), c);
   }
 
   static double length_between(const FaceSides& face, size_t c) {
@@ -161,6 +157,12 @@ std::vector<size_t> corners_of_quadrilateral(const std::vector<Points>& sides) {
   for (size_t k = 0; k < 4; ++k) corners.push_back(turns[k].second);
   std::sort(corners.begin(), corners.end());
   return corners;
+}
+
+std::vector<size_t> sides_between(const std::vector<size_t>& corners, size_t n_sides, size_t c) {
+  std::vector<size_t> sides;
+  for (size_t k = corners[c]; k != corners[(c + 1) % 4]; k = (k + 1) % n_sides) sides.push_back(k);
+  return sides;
 }
 
 double polyline_length(const Points& points) {

@@ -11,6 +11,9 @@ namespace batten::detail {
 /// as one; empty for other faces. @param sides the points of each side of a face in order, two or more.
 std::vector<size_t> corners_of_quadrilateral(const std::vector<Points>& sides);
 
+/// Numbers of the sides between corner c of a quadrilateral and the next.
+std::vector<size_t> sides_between(const std::vector<size_t>& corners, size_t n_sides, size_t c);
+
 double polyline_length(const Points& points);
 
 /// What decides about the parts of a face's sides.

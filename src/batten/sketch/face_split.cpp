@@ -473,8 +473,7 @@ class Splitter {
 std::array<double, 4> lengths_between(const std::vector<Points>& sides, const std::vector<size_t>& corners) {
   std::array<double, 4> lengths{};
   for (size_t c = 0; c < 4; ++c)
-    for (size_t k = corners[c]; k != corners[(c + 1) % 4]; k = (k + 1) % sides.size())
-      lengths[c] += polyline_length(sides[k]);
+    for (const size_t k : sides_between(corners, sides.size(), c)) lengths[c] += polyline_length(sides[k]);
   return lengths;
 }
 
@@ -487,7 +486,7 @@ PlanePoints boundary_over(const std::vector<Points>& sides, const std::vector<si
   PlanePoints boundary(static_cast<Index>(n) * m, 2);
   for (size_t c = 0; c < 4; ++c) {
     double arc = 0;
-    for (size_t k = corners[c]; k != corners[(c + 1) % 4]; k = (k + 1) % n)
+    for (const size_t k : sides_between(corners, n, c))
       for (Index j = 0; j < m; ++j) {
         const double t = arc / lengths[c];
         boundary.row(static_cast<Index>(k) * m + j) = (1 - t) * at_corner[c] + t * at_corner[(c + 1) % 4];
@@ -562,25 +561,23 @@ FaceSplit lay_out(const std::vector<Points>& sides, int splits) {
   const std::vector<size_t> corners = corners_of_quadrilateral(sides);
   const bool is_grid = has_grid(corners, sides.size());
   if (const PlanePoints projected = projection_of(loop); projected.rows() > 0) {
-    {
-      Splitter splitter(n_sides, 1 << splits, projected);
-      if (is_grid) {
-        FaceSplit split = splitter.run_grid(corners);
-        split.is_projection = true;
-        if (splitter.is_valid()) return split;
-      }
-      FaceSplit best;
-      double best_shape = 0;
-      for (const double widest : {kReflexFrom, kWideFrom}) {
-        FaceSplit split = splitter.run(widest);
-        if (!splitter.is_valid() || !(splitter.shape() > 1.01 * best_shape)) continue;
-        best_shape = splitter.shape();
-        best = std::move(split);
-        if (best.n_pieces == 1) break;
-      }
-      best.is_projection = true;
-      if (best_shape > 0) return best;
+    Splitter splitter(n_sides, 1 << splits, projected);
+    if (is_grid) {
+      FaceSplit split = splitter.run_grid(corners);
+      split.is_projection = true;
+      if (splitter.is_valid()) return split;
     }
+    FaceSplit best;
+    double best_shape = 0;
+    for (const double widest : {kReflexFrom, kWideFrom}) {
+      FaceSplit split = splitter.run(widest);
+      if (!splitter.is_valid() || !(splitter.shape() > 1.01 * best_shape)) continue;
+      best_shape = splitter.shape();
+      best = std::move(split);
+      if (best.n_pieces == 1) break;
+    }
+    best.is_projection = true;
+    if (best_shape > 0) return best;
   }
   // A convex polygon with sides of the same lengths: half a cylinder unrolls to its rectangle.
   if (!corners.empty()) {

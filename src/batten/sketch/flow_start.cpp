@@ -2,12 +2,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <utility>
 #include <vector>
 
 #include <Eigen/Geometry>
 
 #include "batten/core/units.hpp"
+#include "batten/mesh/adjacency.hpp"
 #include "batten/operators/laplacian.hpp"
 #include "batten/sketch/curvature_flow_detail.hpp"
 
@@ -132,33 +132,13 @@ void fill(FlowMesh& mesh) {
   filling.plate(lengths);
 }
 
-/// The triangles on both sides of every edge of a mesh.
-class EdgeNeighbours {
- public:
-  explicit EdgeNeighbours(const Triangles& triangles) : triangles_(triangles) {
-    for (Index t = 0; t < triangles.rows(); ++t)
-      for (int k = 0; k < 3; ++k)
-        edges_.push_back({key(triangles(t, k), triangles(t, (k + 1) % 3)), static_cast<int>(t)});
-    std::sort(edges_.begin(), edges_.end());
-  }
-
-  /// The other triangle at side k of a triangle, or −1.
-  int across(Index t, int k) const {
-    const Edge first{key(triangles_(t, k), triangles_(t, (k + 1) % 3)), -1};
-    for (auto found = std::lower_bound(edges_.begin(), edges_.end(), first);
-         found != edges_.end() && found->first == first.first; ++found)
-      if (found->second != t) return found->second;
-    return -1;
-  }
-
- private:
-  using Edge = std::pair<std::pair<int, int>, int>;
-
-  static std::pair<int, int> key(int v, int w) { return std::minmax(v, w); }
-
-  const Triangles& triangles_;
-  std::vector<Edge> edges_;
-};
+/// The other triangle at side k of a triangle, or −1.
+int across(const MeshEdges& edges, int triangle, int k) {
+  const size_t edge = at(edges.of_triangle(triangle, k));
+  for (int s = edges.offsets[edge]; s < edges.offsets[edge + 1]; ++s)
+    if (const int other = edges.sides[at(s)] / 3; other != triangle) return other;
+  return -1;
+}
 
 /// Side k of a triangle is sharp.
 bool is_crease(const FlowMesh& mesh, int triangle, int k) {
@@ -170,12 +150,12 @@ bool is_crease(const FlowMesh& mesh, int triangle, int k) {
 /// area of both: the bending energy of a polyhedron, for two ways to place the vertices. Creases are free to
 /// bend, and so are edges that bend sharply either way: what lies beyond them does not tell which is better.
 std::array<double, 2> bending(const FlowMesh& mesh, const std::array<const Points*, 2>& positions,
-                              const std::vector<int>& triangles, const EdgeNeighbours& neighbours) {
+                              const std::vector<int>& triangles, const MeshEdges& edges) {
   std::array<double, 2> sum{};
   for (const int t : triangles)
     for (int k = 0; k < 3; ++k) {
       const int from = mesh.triangles(t, k), to = mesh.triangles(t, (k + 1) % 3);
-      const int other = neighbours.across(t, k);
+      const int other = across(edges, t, k);
       if (other < 0 || is_crease(mesh, t, k)) continue;
       std::array<double, 2> angle{}, energy{};
       for (size_t way = 0; way < 2; ++way) {
@@ -203,7 +183,7 @@ void choose_beginnings(FlowMesh& mesh) {
   std::vector<std::vector<int>> triangles_of(n);
   for (Index t = 0; t < mesh.triangles.rows(); ++t)
     triangles_of[at(mesh.patch[at(t)])].push_back(static_cast<int>(t));
-  const EdgeNeighbours neighbours(mesh.triangles);
+  const MeshEdges edges = mesh_edges(mesh.triangles, mesh.positions.rows());
   std::vector<char> open(n);
   for (size_t p = 0; p < n; ++p) open[p] = mesh.patches[p].begin == Begin::Coons;
   std::vector<std::array<double, 2>> energy(n);
@@ -217,7 +197,7 @@ void choose_beginnings(FlowMesh& mesh) {
     fill(plates);
     for (size_t p = 0; p < n; ++p) {
       if (!open[p]) continue;
-      energy[p] = bending(mesh, {&mesh.positions, &plates.positions}, triangles_of[p], neighbours);
+      energy[p] = bending(mesh, {&mesh.positions, &plates.positions}, triangles_of[p], edges);
       if (energy[p][1] > kMuchMore * energy[p][0]) {
         open[p] = 0;
         again = true;
@@ -234,7 +214,7 @@ void choose_beginnings(FlowMesh& mesh) {
       for (size_t way = 0; way < 2; ++way) sum[way] += energy[cluster[k]][way];
       for (const int t : triangles_of[cluster[k]])
         for (int side = 0; side < 3; ++side) {
-          const int other = neighbours.across(t, side);
+          const int other = across(edges, t, side);
           if (other < 0 || !open[at(mesh.patch[at(other)])] || is_crease(mesh, t, side)) continue;
           open[at(mesh.patch[at(other)])] = 0;
           cluster.push_back(at(mesh.patch[at(other)]));

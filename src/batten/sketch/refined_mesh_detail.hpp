@@ -1,7 +1,6 @@
 #pragma once
 #include <vector>
 
-#include "batten/core/progress.hpp"
 #include "batten/mesh/control_cage.hpp"
 #include "batten/sketch/polyline_mesh.hpp"
 
@@ -14,10 +13,6 @@ Triangles cut_quads(const PolygonMesh& mesh);
 /// The sharpness of a crease of the cage along a drawn edge of this sharpness: 0 to 1 for 0 to 4 levels, from
 /// 1 infinite.
 double crease_sharpness(double drawn);
-
-/// Moves the vertices of a cage of quads until its Catmull–Clark limit surface goes through `target`.
-/// @param target n × 3, one per vertex. @throws SolverFailure.
-void fit_limit(ControlCage& cage, const Points& target);
 
 /// Refuses a mesh of quads that folds, crosses itself, is not finite, or whose vertices on curves have left
 /// `start` by more than a share of the size.
