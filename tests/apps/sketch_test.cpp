@@ -1,5 +1,6 @@
 #include "apps/run_batten.hpp"
 
+#include <array>
 #include <cmath>
 #include <fstream>
 #include <sstream>
@@ -142,6 +143,42 @@ TEST(SketchCommand, ExampleSessionsGiveClosedModelsOfTheirGenus) {
     EXPECT_EQ(surface["genus"], example.genus) << name;
     EXPECT_EQ(surface["boundary_loops"], 0) << name;
   }
+}
+
+// An L whose edges are all sharp. One cut leaves two wide angles at its concave corner; the rules of
+// Catmull-Clark for corners alone fold the plane faces there, which shows at the fourth level.
+TEST(SketchCommand, SharpPrismsWithConcaveCornersDoNotFold) {
+  constexpr double kOutline[6][2] = {{0, 0}, {3, 0}, {3, 1}, {1, 1}, {1, 3}, {0, 3}};
+  const auto stroke = [&](const std::vector<std::array<double, 3>>& corners, const char* more) {
+    Json points = Json::array();
+    for (size_t k = 0; k + 1 < corners.size(); ++k)
+      for (int i = 0; i < 24; ++i) {
+        const double t = i / 24.0;
+        Json point;
+        for (size_t c = 0; c < 3; ++c) point.push_back((1 - t) * corners[k][c] + t * corners[k + 1][c]);
+        points.push_back(std::move(point));
+      }
+    points.push_back(corners.back());
+    return "{\"op\":\"insert\",\"points\":" + points.dump() + more + "}\n";
+  };
+  const auto corner = [&](size_t k, double z) {
+    return std::array<double, 3>{kOutline[k % 6][0], kOutline[k % 6][1], z};
+  };
+  std::string session = kHeader;
+  session += stroke(
+      {corner(0, 0), corner(1, 0), corner(2, 0), corner(3, 0), corner(4, 0), corner(5, 0), corner(0, 0)},
+      ",\"closed\":true");
+  session += stroke({corner(0, 0), corner(0, 1), corner(1, 1), corner(1, 0)}, ",\"into\":\"opening\"");
+  for (size_t k = 1; k < 5; ++k) session += stroke({corner(k, 1), corner(k + 1, 1), corner(k + 1, 0)}, "");
+  session += stroke({corner(5, 1), corner(0, 1)}, "");
+  for (int curve = 0; curve < 7; ++curve)
+    session += "{\"op\":\"sharpness\",\"curve\":\"c" + std::to_string(curve) + "\",\"value\":1}\n";
+  write_file("prism.jsonl", session);
+  const Json json = run_json("sketch prism.jsonl -o prism.batten --strict --levels 4 --surface prism.ply");
+  EXPECT_EQ(json["faces"], 8);
+  EXPECT_EQ(json["boundary_loops"], 0);
+  EXPECT_EQ(json["surface"]["crossing_pairs"], 0);
+  EXPECT_EQ(json["surface"]["turned_triangles"], 0);
 }
 
 // Faces far from convex (cross), a handle (bottle), a cavity (charger), a slanted body (telephone): all of
