@@ -8,7 +8,7 @@
 #include <benchmark/benchmark.h>
 
 #include "batten/core/random.hpp"
-#include "batten/sketch/coons_surface.hpp"
+#include "batten/modelling/coons_surface.hpp"
 
 namespace batten {
 namespace {

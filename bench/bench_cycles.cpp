@@ -6,8 +6,8 @@
 
 #include <benchmark/benchmark.h>
 
-#include "batten/network/estimated_cycles.hpp"
-#include "batten/network/sketch_cleaning.hpp"
+#include "batten/strokes/estimated_cycles.hpp"
+#include "batten/strokes/sketch_cleaning.hpp"
 
 namespace batten {
 namespace {

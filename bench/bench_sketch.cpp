@@ -8,7 +8,7 @@
 #include <benchmark/benchmark.h>
 
 #include "batten/session/document.hpp"
-#include "batten/sketch/diffusion_surface.hpp"
+#include "batten/modelling/diffusion_surface.hpp"
 
 namespace batten {
 namespace {

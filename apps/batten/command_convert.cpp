@@ -13,7 +13,7 @@
 #include "batten/io/network_io.hpp"
 #include "batten/io/scan_io.hpp"
 #include "batten/network/resample.hpp"
-#include "batten/network/snapping.hpp"
+#include "batten/strokes/snapping.hpp"
 
 namespace batten::cli {
 

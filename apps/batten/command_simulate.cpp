@@ -14,10 +14,10 @@
 #include "batten/io/network_io.hpp"
 #include "batten/io/scan_io.hpp"
 #include "batten/io/sensor_log_io.hpp"
-#include "batten/scan/mesh_sections.hpp"
-#include "batten/scan/shapes.hpp"
-#include "batten/scan/simulate.hpp"
-#include "batten/scan/simulate_device.hpp"
+#include "batten/simulation/mesh_sections.hpp"
+#include "batten/simulation/shapes.hpp"
+#include "batten/simulation/simulate.hpp"
+#include "batten/simulation/simulate_device.hpp"
 
 namespace batten::cli {
 

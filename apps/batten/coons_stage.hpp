@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "batten/sketch/coons_surface.hpp"
+#include "batten/modelling/coons_surface.hpp"
 #include "batten/sketch/polyline_mesh.hpp"
 
 namespace batten::cli {

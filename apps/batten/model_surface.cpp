@@ -11,8 +11,8 @@
 #include "batten/core/units.hpp"
 #include "batten/mesh/quality.hpp"
 #include "batten/mesh/self_intersections.hpp"
-#include "batten/sketch/diffusion_surface.hpp"
-#include "batten/sketch/model_network.hpp"
+#include "batten/modelling/diffusion_surface.hpp"
+#include "batten/modelling/model_network.hpp"
 #include "batten/subdivision/subdivide.hpp"
 
 namespace batten::cli {

@@ -8,7 +8,7 @@
 #include "batten/core/units.hpp"
 #include "batten/io/network_io.hpp"
 #include "batten/mesh/triangle_mesh.hpp"
-#include "batten/network/sketch_network.hpp"
+#include "batten/strokes/sketch_network.hpp"
 
 namespace batten::cli {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "batten/network/sketch_network.hpp"
+#include "batten/strokes/sketch_network.hpp"
 
 namespace batten::cli {
 

@@ -10,8 +10,8 @@
 #include <gtest/gtest.h>
 
 #include "batten/core/text.hpp"
-#include "batten/scan/shapes.hpp"
-#include "batten/scan/simulate.hpp"
+#include "batten/simulation/shapes.hpp"
+#include "batten/simulation/simulate.hpp"
 
 namespace batten {
 namespace {

@@ -11,7 +11,7 @@
 #include "batten/core/random.hpp"
 #include "batten/core/units.hpp"
 #include "batten/rotation/so3.hpp"
-#include "batten/scan/simulate_device.hpp"
+#include "batten/simulation/simulate_device.hpp"
 
 namespace batten {
 namespace {

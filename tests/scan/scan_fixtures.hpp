@@ -8,8 +8,8 @@
 #include "batten/mesh/distance.hpp"
 #include "batten/rotation/so3.hpp"
 #include "batten/scan/reconstruct.hpp"
-#include "batten/scan/shapes.hpp"
-#include "batten/scan/simulate.hpp"
+#include "batten/simulation/shapes.hpp"
+#include "batten/simulation/simulate.hpp"
 
 namespace batten::test {
 

@@ -9,8 +9,8 @@
 #include "batten/core/error.hpp"
 #include "batten/core/units.hpp"
 #include "batten/rotation/so3.hpp"
-#include "batten/scan/shapes.hpp"
-#include "batten/scan/simulate_device.hpp"
+#include "batten/simulation/shapes.hpp"
+#include "batten/simulation/simulate_device.hpp"
 
 namespace batten {
 namespace {

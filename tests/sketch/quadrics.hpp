@@ -1,5 +1,5 @@
 #pragma once
-#include "strokes.hpp"
+#include "sketch/strokes.hpp"
 
 // Models whose true surface is known.
 namespace batten::strokes {

@@ -9,7 +9,7 @@
 #include "batten/core/error.hpp"
 #include "batten/io/network_io.hpp"
 #include "batten/mesh/adjacency.hpp"
-#include "batten/network/sketch_network.hpp"
+#include "batten/strokes/sketch_network.hpp"
 #include "batten/surfacing/surface.hpp"
 
 // Surfaces over patches and normals that were found from curves alone.

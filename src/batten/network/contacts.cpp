@@ -8,7 +8,7 @@
 
 #include "batten/mesh/distance.hpp"
 #include "batten/mesh/triangle_mesh.hpp"
-#include "batten/network/contacts_detail.hpp"
+#include "batten/network/contacts.hpp"
 
 namespace batten::detail {
 

@@ -13,8 +13,8 @@
 #include "batten/core/units.hpp"
 #include "batten/mesh/triangle_mesh.hpp"
 #include "batten/network/curve_network.hpp"
-#include "batten/network/cycles_detail.hpp"
-#include "batten/network/end_parabola_detail.hpp"
+#include "batten/network/cycles.hpp"
+#include "batten/network/end_parabola.hpp"
 
 namespace batten {
 

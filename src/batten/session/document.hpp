@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "batten/core/progress.hpp"
-#include "batten/sketch/diffusion_surface.hpp"
+#include "batten/modelling/diffusion_surface.hpp"
 #include "batten/sketch/polyline_mesh.hpp"
 #include "batten/sketch/tools.hpp"
 

@@ -7,7 +7,7 @@
 #include <Eigen/Core>
 
 #include "batten/mesh/dynamic_box_tree.hpp"
-#include "batten/sketch/polyline.hpp"
+#include "batten/curves/polyline.hpp"
 
 namespace batten {
 

@@ -1,0 +1,101 @@
+#include <Eigen/IterativeLinearSolvers>
+
+#include "batten/core/error.hpp"
+#include "batten/linalg/sparse_cholesky.hpp"
+#include "batten/modelling/cage_fit_detail.hpp"
+#include "batten/subdivision/limit_stencils.hpp"
+
+namespace batten::detail {
+
+namespace {
+
+using Eigen::Index;
+
+/// μ of fit_limit(). A surface through every vertex of uneven quads overshoots between them; with 1 it passes
+/// them by a hundredth of a percent of the size on a sphere of 16 n quads, and does not wrinkle beside
+/// concave corners.
+constexpr double kEvenness = 1;
+
+size_t at(int i) {
+  return static_cast<size_t>(i);
+}
+
+/// Rows of μ U U for the vertices that are not exact, with U the umbrella: how uneven the difference of cage
+/// and target is. Sharp edges have none, as the differences on their sides have nothing in common, and
+/// neither have borders and the rim of a part.
+SparseMatrix unevenness(const ControlCage& cage, const std::vector<char>& free,
+                        const std::vector<char>& exact) {
+  const auto n = static_cast<Index>(exact.size());
+  std::vector<char> left_out(exact.size(), 0);
+  for (size_t v = 0; v < free.size(); ++v) left_out[v] = !free[v];
+  for (const SharpEdge& edge : cage.sharp_edges) left_out[at(edge.from)] = left_out[at(edge.to)] = 1;
+  std::vector<double> valence(exact.size(), 0);
+  // Of the neighbours around a vertex: 0 where they close.
+  std::vector<Index> first_less_last(exact.size(), 0);
+  for (size_t first = 0; first < cage.mesh.corners.size(); first += 4)
+    for (size_t k = 0; k < 4; ++k) {
+      const size_t v = at(cage.mesh.corners[first + k]);
+      valence[v] += 2;
+      first_less_last[v] += cage.mesh.corners[first + (k + 1) % 4] - cage.mesh.corners[first + (k + 3) % 4];
+    }
+  for (size_t v = 0; v < left_out.size(); ++v)
+    if (first_less_last[v] != 0) left_out[v] = 1;
+  std::vector<Eigen::Triplet<double>> entries;
+  entries.reserve(4 * cage.mesh.corners.size());
+  for (size_t first = 0; first < cage.mesh.corners.size(); first += 4)
+    for (size_t k = 0; k < 4; ++k) {
+      const int v = cage.mesh.corners[first + k];
+      if (left_out[at(v)]) continue;
+      entries.emplace_back(v, v, 2 / valence[at(v)]);
+      for (const size_t next : {(k + 1) % 4, (k + 3) % 4})
+        entries.emplace_back(v, cage.mesh.corners[first + next], -1 / valence[at(v)]);
+    }
+  SparseMatrix umbrella(n, n);
+  umbrella.setFromTriplets(entries.begin(), entries.end());
+  Eigen::VectorXd weight(n);
+  for (Index v = 0; v < n; ++v) weight(v) = exact[static_cast<size_t>(v)] ? 0 : kEvenness;
+  return weight.asDiagonal() * (umbrella * umbrella);
+}
+
+}  // namespace
+
+void fit_limit(ControlCage& cage, const Points& target, const std::vector<char>& free,
+               const std::vector<char>& exact) {
+  const SparseMatrix uneven = unevenness(cage, free, exact), rows = limit_stencils(cage) + uneven;
+  const Points wanted = target + uneven * target;
+  const Index n = target.rows();
+  std::vector<int> index(static_cast<size_t>(n), -1);
+  int n_free = 0;
+  for (Index v = 0; v < n; ++v)
+    if (free[static_cast<size_t>(v)]) index[static_cast<size_t>(v)] = n_free++;
+  if (n_free == 0) return;
+  std::vector<Eigen::Triplet<double>> entries;
+  entries.reserve(static_cast<size_t>(rows.nonZeros()));
+  for (Index j = 0; j < rows.outerSize(); ++j)
+    for (SparseMatrix::InnerIterator entry(rows, j); entry; ++entry)
+      if (index[static_cast<size_t>(entry.row())] >= 0 && index[static_cast<size_t>(j)] >= 0)
+        entries.emplace_back(index[static_cast<size_t>(entry.row())], index[static_cast<size_t>(j)],
+                             entry.value());
+  Eigen::SparseMatrix<double, Eigen::RowMajor> A(n_free, n_free);
+  A.setFromTriplets(entries.begin(), entries.end());
+  Eigen::BiCGSTAB<Eigen::SparseMatrix<double, Eigen::RowMajor>> inverse(A);
+  inverse.setTolerance(1e-8);  // of what is still lacking, which falls with every turn
+  inverse.setMaxIterations(200);
+  const double size = bounding_box_diagonal(target);
+  Points& positions = cage.mesh.positions;
+  for (int k = 0; k < 20; ++k) {
+    const Points lack = wanted - rows * positions;
+    Eigen::MatrixXd right(n_free, 3);
+    for (Index v = 0; v < n; ++v)
+      if (index[static_cast<size_t>(v)] >= 0) right.row(index[static_cast<size_t>(v)]) = lack.row(v);
+    if (right.rowwise().norm().maxCoeff() < 1e-12 * size) break;
+    for (int c = 0; c < 3; ++c) {
+      const Eigen::VectorXd solved = inverse.solve(right.col(c));
+      if (!solved.allFinite()) throw SolverFailure("cage of the limit surface", n_free);
+      for (Index v = 0; v < n; ++v)
+        if (index[static_cast<size_t>(v)] >= 0) positions(v, c) += solved(index[static_cast<size_t>(v)]);
+    }
+  }
+}
+
+}  // namespace batten::detail

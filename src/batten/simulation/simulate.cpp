@@ -1,0 +1,192 @@
+#include "batten/simulation/simulate.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "batten/core/error.hpp"
+#include "batten/core/random.hpp"
+#include "batten/core/text.hpp"
+#include "batten/core/units.hpp"
+#include "batten/rotation/so3.hpp"
+
+namespace batten {
+
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+/// One stream of random numbers per effect.
+enum Stream : std::uint64_t {
+  kJitter = 1,
+  kWhite,
+  kDrift,
+  kOdometer,
+  kCurveLength,
+  kOutlierChoice,
+  kOutlierFrame,
+  kDisturbance
+};
+
+struct Streams {
+  explicit Streams(std::uint64_t seed)
+      : jitter(seed, kJitter),
+        white(seed, kWhite),
+        drift(seed, kDrift),
+        odometer(seed, kOdometer),
+        curve_length(seed, kCurveLength),
+        outlier_choice(seed, kOutlierChoice),
+        outlier_frame(seed, kOutlierFrame) {}
+  Random jitter, white, drift, odometer, curve_length, outlier_choice, outlier_frame;
+};
+
+/// Uniform over all rotations: a normal vector of four numbers has no preferred direction.
+Matrix3d random_rotation(Random& random) {
+  const Vector3d v = random.normal3();
+  return Eigen::Quaterniond(random.normal(), v.x(), v.y(), v.z()).normalized().toRotationMatrix();
+}
+
+/// Where the device takes its readings: true distances, and which of them are taken at nodes.
+void place_readings(const TracedCurve& curve, double step, const SimulateOptions& options, Random& random,
+                    std::vector<double>& distances, ScanCurve& scan_curve) {
+  const double length = curve.path->length();
+  std::vector<double> stations = curve.node_distances;
+  std::vector<int> ids = curve.node_ids;
+  constexpr int kNoNode = -1;
+  if (stations.empty() || stations.front() > 1e-9 * length) {
+    stations.insert(stations.begin(), 0.0);
+    ids.insert(ids.begin(), kNoNode);
+  }
+  if (stations.back() < length * (1 - 1e-9)) {
+    stations.push_back(length);
+    ids.push_back(kNoNode);
+  }
+  for (size_t j = 0; j < stations.size(); ++j) {
+    if (ids[j] != kNoNode) {
+      scan_curve.node_readings.push_back(static_cast<int>(distances.size()));
+      scan_curve.node_ids.push_back(ids[j]);
+    }
+    distances.insert(distances.end(), static_cast<size_t>(ids[j] == kNoNode ? 1 : options.dwell),
+                     stations[j]);
+    if (j + 1 == stations.size()) break;
+    const double gap = stations[j + 1] - stations[j];
+    const int pieces = std::max(1, static_cast<int>(std::lround(gap / step)));
+    for (int k = 1; k < pieces; ++k) {
+      const double shift = options.jitter * random.uniform(-1, 1);
+      distances.push_back(stations[j] + gap * (k + shift) / pieces);
+    }
+  }
+}
+
+/// Raised cosine of height 1 at 0 that vanishes at ±1.
+double bump(double x) {
+  return std::abs(x) < 1 ? 0.5 * (1 + std::cos(kPi * x)) : 0.0;
+}
+
+}  // namespace
+
+std::optional<std::string> SimulateOptions::problem() const {
+  const auto outside = [](const char* name, double value, const char* range) {
+    return concat(name, " must ", range, ", got ", value);
+  };
+  if (!(step > 0 && step <= 1)) return outside("step", step, "lie in (0, 1] diameters");
+  if (!(jitter >= 0 && jitter < 0.5)) return outside("jitter", jitter, "lie in [0, 0.5) steps");
+  if (dwell < 1) return outside("dwell", dwell, "be at least 1 reading");
+  if (!(orientation_noise >= 0 && orientation_noise <= kPi))
+    return outside("orientation_noise", orientation_noise, "lie in [0, pi] radians");
+  if (!(drift >= 0 && drift <= kPi)) return outside("drift", drift, "lie in [0, pi] radians");
+  if (!(drift_length > 0)) return outside("drift_length", drift_length, "be above 0 diameters");
+  if (!(odometer_error >= 0 && odometer_error <= 0.2))
+    return outside("odometer_error", odometer_error, "lie in [0, 0.2]");
+  if (!(curve_length_error >= 0 && curve_length_error < 1))
+    return outside("curve_length_error", curve_length_error, "lie in [0, 1)");
+  if (!(outliers >= 0 && outliers <= 1)) return outside("outliers", outliers, "lie in [0, 1]");
+  if (!(std::abs(disturbance) <= kPi)) return outside("disturbance", disturbance, "lie in [-pi, pi] radians");
+  if (!(disturbance_extent > 0 && disturbance_extent <= 1))
+    return outside("disturbance_extent", disturbance_extent, "lie in (0, 1]");
+  return std::nullopt;
+}
+
+SimulatedScan simulate_scan(const TracedNetwork& traced, const SimulateOptions& options) {
+  if (const auto problem = options.problem()) throw InvalidInput(*problem);
+  if (traced.curves.empty()) throw InvalidInput("the object to be scanned has no curves");
+  SimulatedScan result;
+  SimulateReport& report = result.report;
+  const double correlation_length = options.drift_length * traced.diameter;
+  Streams random(options.seed);
+  if (options.disturbance != 0) {
+    Random choice(options.seed, kDisturbance);
+    report.disturbed_curve = static_cast<int>(choice.below(traced.curves.size()));
+    const double length = traced.curves[static_cast<size_t>(report.disturbed_curve)].path->length();
+    const double half = options.disturbance_extent / 2;
+    report.disturbed_centre = length * choice.uniform(half, 1 - half);
+  }
+
+  double white_squares = 0;
+  double drift_squares = 0;
+  long n_readings = 0;
+  for (size_t c = 0; c < traced.curves.size(); ++c) {
+    const TracedCurve& curve = traced.curves[c];
+    ScanCurve out;
+    out.name = curve.name;
+    out.boundary = curve.boundary;
+    out.closed = curve.closed;
+    std::vector<double> distances;
+    place_readings(curve, options.step * traced.diameter, options, random.jitter, distances, out);
+
+    const double factor = (1 + options.odometer_error * random.odometer.normal()) *
+                          (1 + options.curve_length_error * random.curve_length.uniform(-1, 1));
+    if (!(factor > 0))
+      throw InvalidInput("odometer_error is so large that a curve has no length; make it smaller");
+    report.distance_factors.push_back(factor);
+
+    const auto n = static_cast<Eigen::Index>(distances.size());
+    out.distances.resize(n);
+    out.tangents.resize(n, 3);
+    out.normals.resize(n, 3);
+    std::vector<Matrix3d> frames;
+    const double bump_half_width = options.disturbance_extent * curve.path->length() / 2;
+    Vector3d drift = Vector3d::Zero();
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const double s = distances[static_cast<size_t>(i)];
+      const CurvePoint point = curve.path->at(s);
+      const Matrix3d truth = darboux_frame(point.tangent, point.normal);
+      frames.push_back(truth);
+
+      // The numbers are drawn whatever the amplitudes, so that every effect has the same course at any size.
+      const Vector3d white = options.orientation_noise * random.white.normal3();
+      const Vector3d fresh = random.drift.normal3();
+      const double memory =
+          i == 0 ? 0 : std::exp(-(s - distances[static_cast<size_t>(i) - 1]) / correlation_length);
+      drift = memory * drift + std::sqrt(1 - memory * memory) * options.drift * fresh;
+      white_squares += white.squaredNorm();
+      drift_squares += drift.squaredNorm();
+
+      Matrix3d measured = truth;
+      if (report.disturbed_curve == static_cast<int>(c)) {
+        const double turn = options.disturbance * bump((s - report.disturbed_centre) / bump_half_width);
+        measured = so3_exp({0, 0, turn}) * measured;
+      }
+      const Vector3d error = white + drift;
+      if (error.squaredNorm() > 0) measured = so3_exp(error) * measured;
+      const Matrix3d anywhere = random_rotation(random.outlier_frame);
+      if (random.outlier_choice.uniform() < options.outliers) {
+        measured = anywhere;
+        ++report.n_outliers;
+      }
+      out.distances[i] = factor * s;
+      out.tangents.row(i) = measured.col(0);
+      out.normals.row(i) = measured.col(1);
+    }
+    n_readings += n;
+    result.true_distances.emplace_back(Eigen::Map<const Eigen::VectorXd>(distances.data(), n));
+    result.true_frames.push_back(std::move(frames));
+    result.scan.curves.push_back(std::move(out));
+  }
+  report.rms_orientation_noise = std::sqrt(white_squares / (3.0 * static_cast<double>(n_readings)));
+  report.rms_drift = std::sqrt(drift_squares / (3.0 * static_cast<double>(n_readings)));
+  result.scan.tangents = TangentConvention::AtSample;
+  return result;
+}
+
+}  // namespace batten

@@ -1,0 +1,664 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <set>
+
+#include <Eigen/Dense>
+
+#include "batten/core/error.hpp"
+#include "batten/core/text.hpp"
+#include "batten/core/units.hpp"
+#include "batten/network/end_parabola.hpp"
+#include "batten/strokes/node_orders_detail.hpp"
+
+namespace batten::detail {
+
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+/// Cost of one radian that the sectors of a node turn beyond the least possible: a crossing read wrongly
+/// turns by a half turn more, as much as a patch that changes to the other side along a curve.
+constexpr double kSectorCost = 1 / kPi;
+/// Gain of a patch more (two patches more are a handle less), and cost of a curve with the same patch on both
+/// sides. Both decide only where the geometry leaves a choice: a right angle that is wrong costs one.
+constexpr double kPatchGain = 0.12;
+constexpr double kSamePatchCost = 0.12;
+/// Links that would cost this little more with one end turned over do not tell the sides of their ends.
+constexpr std::array<double, 2> kLooseLinks{0.15, 0.6};
+/// Orders are tried one and all up to this number of curves at a node (720); beyond it those seen along
+/// likely axes.
+constexpr std::size_t kMostPermuted = 7;
+/// A choice that wins by less than this is told. Two patches more gain 0.24.
+constexpr double kDoubt = 0.15;
+
+size_t at(int i) {
+  return static_cast<size_t>(i);
+}
+
+/// One order of the darts of a node, by their places in the node's list.
+struct Order {
+  std::vector<int> sequence;     ///< counter-clockwise, beginning with place 0
+  std::vector<int> left, right;  ///< per place: the next and the previous place
+  double cost = 0;
+  int mirrored = -1;  ///< number of the same order seen from the other side
+};
+
+/// What the two patches beside a dart look like at its node: directions square to the dart, in a frame that
+/// is carried along the link, with the certainty as length.
+struct Sides {
+  Vector2d left, right;
+};
+
+struct Node {
+  std::vector<int> darts;
+  std::vector<Vector3d> tangents;
+  std::vector<Order> orders;
+  std::vector<Sides> sides;  ///< k³: place, left neighbour, right neighbour
+
+  const Sides& sides_of(const Order& order, int place) const {
+    const size_t k = darts.size();
+    return sides[(at(place) * k + at(order.left[at(place)])) * k + at(order.right[at(place)])];
+  }
+};
+
+/// Cost of two directions that should be one: 0 when equal, the product of the certainties when opposite.
+double mismatch(const Vector2d& a, const Vector2d& b) {
+  return 0.5 * (std::sqrt(a.squaredNorm() * b.squaredNorm()) - a.dot(b));
+}
+
+class OrderSearch {
+ public:
+  OrderSearch(const CurveNetwork& network, const LinkGraph& graph, const Progress& progress)
+      : network_(network),
+        graph_(graph),
+        progress_(progress),
+        size_(network_size(network, graph)),
+        nodes_(graph.darts.size()) {}
+
+  OrderSearchResult run() {
+    prepare();
+    grow();
+    progress_.report("cycles", 0.3);
+    settle();
+    progress_.report("cycles", 0.5);
+    follow_ = following_darts(current_orders(), 2 * graph_.links.size());
+    for (int round = 0; round < 6; ++round) {
+      bool changed = change_single_nodes();
+      for (const double loose : kLooseLinks) changed = turn_over_groups(loose) || changed;
+      progress_.report("cycles", 0.5 + round / 12.0);
+      if (!changed) break;
+    }
+    OrderSearchResult result;
+    result.orders = current_orders();
+    result.doubtful = std::move(doubtful_);
+    look_for_doubts(result.doubtful);
+    return result;
+  }
+
+ private:
+  Vector3d point(int v) const { return network_.positions.row(v); }
+  int start_node(int dart) const {
+    const NetworkLink& link = graph_.links[at(dart / 2)];
+    return dart % 2 == 0 ? link.from : link.to;
+  }
+
+  /// Frames square to both ends of a link, the second carried along the link from the first.
+  void link_frames(int l, const Vector3d& first, const Vector3d& last, std::array<Vector3d, 2>& at_from,
+                   std::array<Vector3d, 2>& at_to) const {
+    const NetworkLink& link = graph_.links[at(l)];
+    at_from[0] = first.unitOrthogonal();
+    at_from[1] = first.cross(at_from[0]);
+    at_to = at_from;
+    // Chords of equal numbers of edges: the frame hardly depends on how many, noise does.
+    const size_t edges = link.vertices.size() - 1, pieces = std::min<size_t>(edges, 24);
+    Vector3d tangent = first;
+    for (size_t i = 0; i <= pieces; ++i) {
+      const Vector3d next = i == pieces ? last
+                                        : Vector3d(point(link.vertices[edges * (i + 1) / pieces]) -
+                                                   point(link.vertices[edges * i / pieces]));
+      if (!(next.norm() > 0)) continue;
+      for (Vector3d& v : at_to) v = carried(v, tangent, next.normalized());
+      tangent = next.normalized();
+    }
+  }
+
+  void prepare() {
+    const size_t n_links = graph_.links.size();
+    std::vector<std::array<Vector3d, 2>> frames(2 * n_links);
+    std::vector<Vector3d> tangents(2 * n_links);
+    for (size_t d = 0; d < 2 * n_links; ++d)
+      tangents[d] = link_direction(network_, graph_, static_cast<int>(d), size_);
+    for (size_t l = 0; l < n_links; ++l)
+      link_frames(static_cast<int>(l), tangents[2 * l], -tangents[2 * l + 1], frames[2 * l],
+                  frames[2 * l + 1]);
+    for (size_t n = 0; n < nodes_.size(); ++n) {
+      Node& node = nodes_[n];
+      node.darts = graph_.darts[n];
+      for (const int d : node.darts) node.tangents.push_back(tangents[at(d)]);
+      make_orders(node);
+      const size_t k = node.darts.size();
+      node.sides.resize(k * k * k);
+      for (size_t i = 0; i < k; ++i)
+        for (size_t l = 0; l < k; ++l)
+          for (size_t r = 0; r < k; ++r) {
+            const std::array<Vector3d, 2>& frame = frames[at(node.darts[i])];
+            const auto side = [&](size_t j) {
+              return Vector2d(node.tangents[j].dot(frame[0]), node.tangents[j].dot(frame[1]));
+            };
+            // A sector of nearly a half turn does not show its side. There a surface that passes smoothly
+            // under the dart is supposed, with less certainty.
+            const Vector2d left = side(l), right = side(r);
+            Sides& sides = node.sides[(i * k + l) * k + r];
+            sides.left = left - 0.5 * (1 - left.norm()) * right;
+            sides.right = right - 0.5 * (1 - right.norm()) * left;
+          }
+    }
+    chosen_.assign(nodes_.size(), -1);
+  }
+
+  void make_orders(Node& node) const {
+    const auto k = static_cast<int>(node.darts.size());
+    if (k == 0) return;
+    std::set<std::vector<int>> sequences;
+    const auto add = [&](std::vector<int> sequence) {
+      std::rotate(sequence.begin(), std::find(sequence.begin(), sequence.end(), 0), sequence.end());
+      sequences.insert(sequence);
+      std::reverse(sequence.begin() + 1, sequence.end());
+      sequences.insert(std::move(sequence));
+    };
+    if (at(k) <= kMostPermuted) {
+      std::vector<int> sequence(at(k));
+      std::iota(sequence.begin(), sequence.end(), 0);
+      do sequences.insert(sequence);
+      while (std::next_permutation(sequence.begin() + 1, sequence.end()));
+    } else {
+      for (const Vector3d& axis : likely_axes(node)) {
+        const Vector3d u = axis.unitOrthogonal(), w = axis.cross(u);
+        std::vector<std::pair<double, int>> around;
+        around.reserve(at(k));
+        for (int i = 0; i < k; ++i)
+          around.emplace_back(std::atan2(node.tangents[at(i)].dot(w), node.tangents[at(i)].dot(u)), i);
+        std::sort(around.begin(), around.end());
+        std::vector<int> sequence;
+        sequence.reserve(around.size());
+        for (const auto& [angle, i] : around) sequence.push_back(i);
+        add(sequence);
+        for (int i = 0; i < k; ++i) {  // neighbours may be told apart wrongly
+          std::swap(sequence[at(i)], sequence[at((i + 1) % k)]);
+          add(sequence);
+          std::swap(sequence[at(i)], sequence[at((i + 1) % k)]);
+        }
+      }
+    }
+    std::vector<int> borders;
+    for (int i = 0; i < k; ++i)
+      if (graph_.links[at(node.darts[at(i)] / 2)].border) borders.push_back(i);
+    const bool at_border = borders.size() == 2;
+    std::map<std::vector<int>, int> number;
+    double least = std::numeric_limits<double>::infinity();
+    for (const std::vector<int>& sequence : sequences) {
+      Order order;
+      order.sequence = sequence;
+      order.left.resize(at(k));
+      order.right.resize(at(k));
+      for (int p = 0; p < k; ++p) {
+        const int i = sequence[at(p)], next = sequence[at((p + 1) % k)];
+        order.left[at(i)] = next;
+        order.right[at(next)] = i;
+      }
+      // Between the two pieces of a border lies the outside, which may turn as far as it likes.
+      if (at_border && k > 2) {
+        const int a = borders[0], b = borders[1];
+        if (order.left[at(a)] != b && order.left[at(b)] != a) continue;
+      }
+      for (int i = 0; i < k; ++i) {
+        const int j = order.left[at(i)];
+        if (at_border && std::min(i, j) == borders[0] && std::max(i, j) == borders[1]) continue;
+        order.cost +=
+            kSectorCost * std::acos(std::clamp(node.tangents[at(i)].dot(node.tangents[at(j)]), -1.0, 1.0));
+      }
+      least = std::min(least, order.cost);
+      number[sequence] = static_cast<int>(node.orders.size());
+      node.orders.push_back(std::move(order));
+    }
+    for (Order& order : node.orders) {
+      order.cost -= least;
+      std::vector<int> sequence = order.sequence;
+      std::reverse(sequence.begin() + 1, sequence.end());
+      order.mirrored = number.at(sequence);
+    }
+  }
+
+  /// Axes along which the darts of a node may be seen in order.
+  static std::vector<Vector3d> likely_axes(const Node& node) {
+    Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
+    Vector3d sum = Vector3d::Zero();
+    for (const Vector3d& t : node.tangents) {
+      moments += t * t.transpose();
+      sum += t;
+    }
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(moments);
+    std::vector<Vector3d> axes;
+    axes.reserve(4);
+    for (int i = 0; i < 3; ++i) axes.emplace_back(solver.eigenvectors().col(i));
+    if (sum.norm() > 1e-6) axes.push_back(sum.normalized());
+    for (size_t i = 0; i < node.tangents.size(); ++i)
+      for (size_t j = 0; j < i; ++j) {
+        const Vector3d normal = node.tangents[i].cross(node.tangents[j]);
+        if (normal.norm() > 0.2) axes.push_back(normal.normalized());
+      }
+    return axes;
+  }
+
+  int place_of(int dart) const {
+    const std::vector<int>& darts = graph_.darts[at(start_node(dart))];
+    return static_cast<int>(std::find(darts.begin(), darts.end(), dart) - darts.begin());
+  }
+
+  /// Cost of a link between two orders: the patch left of its one end lies right of the other.
+  double link_cost(int l, const Order& from, const Order& to) const {
+    const NetworkLink& link = graph_.links[at(l)];
+    const Sides& a = nodes_[at(link.from)].sides_of(from, place_[at(2 * l)]);
+    const Sides& b = nodes_[at(link.to)].sides_of(to, place_[at(2 * l + 1)]);
+    return mismatch(a.left, b.right) + mismatch(a.right, b.left);
+  }
+
+  const Order& chosen(int n) const { return nodes_[at(n)].orders[at(chosen_[at(n)])]; }
+
+  /// Cost of an order of a node given those chosen at its neighbours; neighbours without one do not count.
+  double cost_at(int n, const Order& order) const {
+    double cost = order.cost;
+    for (const int d : nodes_[at(n)].darts) {
+      const NetworkLink& link = graph_.links[at(d / 2)];
+      if (link.from == link.to) {
+        if (d % 2 == 0) cost += link_cost(d / 2, order, order);
+        continue;
+      }
+      const int other = link.from == n ? link.to : link.from;
+      if (chosen_[at(other)] < 0) continue;
+      cost +=
+          link.from == n ? link_cost(d / 2, order, chosen(other)) : link_cost(d / 2, chosen(other), order);
+    }
+    return cost;
+  }
+
+  /// The cheapest order of a node given its neighbours, and by how much it wins.
+  std::pair<int, double> best_order(int n) const {
+    const std::vector<Order>& orders = nodes_[at(n)].orders;
+    int best = 0;
+    double least = std::numeric_limits<double>::infinity(), second = least;
+    for (size_t o = 0; o < orders.size(); ++o) {
+      const double cost = cost_at(n, orders[o]);
+      if (cost < least) {
+        second = least;
+        least = cost;
+        best = static_cast<int>(o);
+      } else {
+        second = std::min(second, cost);
+      }
+    }
+    return {best, second - least};
+  }
+
+  /// From the surest node outwards, always the node that its neighbours decide most clearly.
+  void grow() {
+    place_.resize(2 * graph_.links.size());
+    for (size_t d = 0; d < place_.size(); ++d) place_[d] = place_of(static_cast<int>(d));
+    struct Seed {
+      double margin;
+      int node;
+    };
+    std::vector<Seed> seeds;
+    for (size_t n = 0; n < nodes_.size(); ++n) {
+      if (nodes_[n].orders.empty()) continue;
+      double second = 1;
+      for (const Order& order : nodes_[n].orders)
+        if (order.cost > 1e-9) second = std::min(second, order.cost);
+      seeds.push_back({second, static_cast<int>(n)});
+    }
+    std::stable_sort(seeds.begin(), seeds.end(),
+                     [](const Seed& a, const Seed& b) { return a.margin > b.margin; });
+    std::vector<double> margin(nodes_.size(), -1);
+    std::vector<int> best(nodes_.size(), -1);
+    std::set<std::pair<double, int>> frontier;  // the negative margin first: the surest node leads
+    const auto choose = [&](int n, int order) {
+      chosen_[at(n)] = order;
+      for (const int d : nodes_[at(n)].darts) {
+        const int other = start_node(d ^ 1);
+        if (chosen_[at(other)] >= 0) continue;
+        frontier.erase({-margin[at(other)], other});
+        std::tie(best[at(other)], margin[at(other)]) = best_order(other);
+        frontier.emplace(-margin[at(other)], other);
+      }
+    };
+    for (const Seed& seed : seeds) {
+      if (chosen_[at(seed.node)] >= 0) continue;
+      choose(seed.node, best_order(seed.node).first);
+      while (!frontier.empty()) {
+        const int n = frontier.begin()->second;
+        frontier.erase(frontier.begin());
+        choose(n, best[at(n)]);
+      }
+    }
+  }
+
+  /// Changes single nodes as long as that costs less, without looking at patches.
+  void settle() {
+    for (int sweep = 0; sweep < 50; ++sweep) {
+      bool changed = false;
+      for (size_t n = 0; n < nodes_.size(); ++n) {
+        if (nodes_[n].orders.empty()) continue;
+        const int best = best_order(static_cast<int>(n)).first;
+        if (best == chosen_[n] || cost_at(static_cast<int>(n), nodes_[n].orders[at(best)]) >
+                                      cost_at(static_cast<int>(n), chosen(static_cast<int>(n))) - 1e-9)
+          continue;
+        chosen_[n] = best;
+        changed = true;
+      }
+      if (!changed) break;
+    }
+  }
+
+  std::vector<int> sequence_of(int n, const Order& order) const {
+    std::vector<int> sequence;
+    for (const int place : order.sequence) sequence.push_back(nodes_[at(n)].darts[at(place)]);
+    return sequence;
+  }
+
+  std::vector<std::vector<int>> current_orders() const {
+    std::vector<std::vector<int>> orders(nodes_.size());
+    for (size_t n = 0; n < nodes_.size(); ++n)
+      if (chosen_[n] >= 0) orders[n] = sequence_of(static_cast<int>(n), chosen(static_cast<int>(n)));
+    return orders;
+  }
+
+  void write_following(int n, const Order& order) {
+    const std::vector<int>& darts = nodes_[at(n)].darts;
+    for (size_t i = 0; i < darts.size(); ++i) follow_[at(darts[at(order.left[i])] ^ 1)] = darts[i];
+  }
+
+  /// What the patches through some darts cost: −gain for each, and the links with one patch on both sides.
+  double patch_cost(const std::vector<int>& darts) {
+    mark_.resize(follow_.size(), -1);
+    std::vector<int> marked;
+    int count = 0, twice = 0;
+    for (const int first : darts) {
+      if (mark_[at(first)] >= 0) continue;
+      for (int d = first; mark_[at(d)] < 0; d = follow_[at(d)]) {
+        mark_[at(d)] = count;
+        marked.push_back(d);
+        twice += mark_[at(d ^ 1)] == count;
+      }
+      ++count;
+    }
+    for (const int d : marked) mark_[at(d)] = -1;
+    return kSamePatchCost * twice - kPatchGain * count;
+  }
+
+  /// The darts that leave a node and those that arrive: the patches around it pass all of them.
+  std::vector<int> darts_at(int n) const {
+    std::vector<int> darts = nodes_[at(n)].darts;
+    const size_t k = darts.size();
+    for (size_t i = 0; i < k; ++i) darts.push_back(darts[i] ^ 1);
+    return darts;
+  }
+
+  /// The least that another order of a node costs more, patches counted; its number in `order`.
+  double best_change(int n, int& order) {
+    const Node& node = nodes_[at(n)];
+    const std::vector<int> darts = darts_at(n);
+    const double here = cost_at(n, chosen(n)), patches = patch_cost(darts);
+    double least = std::numeric_limits<double>::infinity();
+    order = -1;
+    // The only node of its component: seen from the other side it is the same.
+    const bool alone =
+        std::all_of(node.darts.begin(), node.darts.end(), [&](int d) { return start_node(d ^ 1) == n; });
+    for (size_t o = 0; o < node.orders.size(); ++o) {
+      if (static_cast<int>(o) == chosen_[at(n)] || (alone && static_cast<int>(o) == chosen(n).mirrored))
+        continue;
+      const double local = cost_at(n, node.orders[o]) - here;
+      // k patches more at the very most; what could not win or be in doubt is not traced.
+      const auto k = static_cast<double>(node.darts.size());
+      if (local - (kPatchGain + kSamePatchCost) * k >= std::min(least, kDoubt)) continue;
+      write_following(n, node.orders[o]);
+      const double change = local + patch_cost(darts) - patches;
+      if (change < least) {
+        least = change;
+        order = static_cast<int>(o);
+      }
+    }
+    write_following(n, chosen(n));
+    return least;
+  }
+
+  bool change_single_nodes() {
+    bool any = false;
+    for (int sweep = 0; sweep < 20; ++sweep) {
+      bool changed = false;
+      for (size_t n = 0; n < nodes_.size(); ++n) {
+        if (nodes_[n].orders.size() < 2) continue;
+        int order = -1;
+        if (best_change(static_cast<int>(n), order) > -1e-9) continue;
+        chosen_[n] = order;
+        write_following(static_cast<int>(n), chosen(static_cast<int>(n)));
+        changed = any = true;
+      }
+      if (!changed) break;
+    }
+    return any;
+  }
+
+  /// Groups of nodes that hang together by links that tell the sides clearly; turning over one of them
+  /// changes only the loose links around it.
+  bool turn_over_groups(double loose) {
+    std::vector<int> parent(nodes_.size());
+    std::iota(parent.begin(), parent.end(), 0);
+    const auto root = [&](int i) {
+      while (parent[at(i)] != i) i = parent[at(i)] = parent[at(parent[at(i)])];
+      return i;
+    };
+    std::vector<double> gain(graph_.links.size(), 0);
+    for (size_t l = 0; l < graph_.links.size(); ++l) {
+      const NetworkLink& link = graph_.links[l];
+      if (link.from == link.to) continue;
+      const auto number = static_cast<int>(l);
+      gain[l] = link_cost(number, chosen(link.from), mirrored(link.to)) -
+                link_cost(number, chosen(link.from), chosen(link.to));
+      const int a = root(link.from), b = root(link.to);
+      if (gain[l] > loose) parent[at(std::max(a, b))] = std::min(a, b);
+    }
+    std::map<int, std::vector<int>> groups;
+    for (size_t n = 0; n < nodes_.size(); ++n)
+      if (chosen_[n] >= 0) groups[root(static_cast<int>(n))].push_back(static_cast<int>(n));
+    // One group of each component stays: turning all of them over changes nothing.
+    std::vector<size_t> largest(at(graph_.topology.n_components), 0);
+    std::vector<int> keeper(at(graph_.topology.n_components), -1);
+    for (const auto& [first, members] : groups) {
+      const size_t component = at(graph_.topology.component_of_node[at(first)]);
+      if (members.size() <= largest[component]) continue;
+      largest[component] = members.size();
+      keeper[component] = first;
+    }
+    bool any = false;
+    for (const auto& [first, members] : groups) {
+      if (first == keeper[at(graph_.topology.component_of_node[at(first)])]) continue;
+      double change = 0;
+      std::vector<int> darts;
+      for (const int n : members)
+        for (const int d : nodes_[at(n)].darts) {
+          darts.push_back(d);
+          darts.push_back(d ^ 1);
+          const NetworkLink& link = graph_.links[at(d / 2)];
+          if (root(start_node(d ^ 1)) != first)
+            change += link_cost(d / 2, chosen(link.from), mirrored(link.to)) -
+                      link_cost(d / 2, chosen(link.from), chosen(link.to));
+        }
+      const double before = patch_cost(darts);
+      for (const int n : members) write_following(n, mirrored(n));
+      const double total = change + patch_cost(darts) - before;
+      if (total < -1e-9) {
+        for (const int n : members) chosen_[at(n)] = chosen(n).mirrored;
+        any = true;
+        continue;
+      }
+      for (const int n : members) write_following(n, chosen(n));
+      if (total < kDoubt && members.size() > 1 && loose == kLooseLinks.back())
+        doubtful_.push_back({first, true, total});
+    }
+    if (any) doubtful_.clear();  // what was in doubt before is looked at again
+    return any;
+  }
+
+  const Order& mirrored(int n) const { return nodes_[at(n)].orders[at(chosen(n).mirrored)]; }
+
+  void look_for_doubts(std::vector<DoubtfulOrder>& doubtful) {
+    for (size_t n = 0; n < nodes_.size(); ++n) {
+      if (nodes_[n].orders.size() < 2) continue;
+      int order = -1;
+      const double margin = best_change(static_cast<int>(n), order);
+      if (margin < kDoubt)
+        doubtful.push_back({static_cast<int>(n), order == chosen(static_cast<int>(n)).mirrored, margin});
+    }
+    std::stable_sort(doubtful.begin(), doubtful.end(),
+                     [](const DoubtfulOrder& a, const DoubtfulOrder& b) { return a.margin < b.margin; });
+  }
+
+  const CurveNetwork& network_;
+  const LinkGraph& graph_;
+  const Progress& progress_;
+  double size_;
+  std::vector<Node> nodes_;
+  std::vector<int> place_;   ///< per link dart: its place in the list of its node
+  std::vector<int> chosen_;  ///< per node: number of its order
+  std::vector<int> follow_;  ///< per link dart
+  std::vector<int> mark_;    ///< scratch of patch_cost()
+  std::vector<DoubtfulOrder> doubtful_;
+};
+
+}  // namespace
+
+Vector3d link_direction(const CurveNetwork& network, const LinkGraph& graph, int dart, double size) {
+  const NetworkLink& link = graph.links[at(dart / 2)];
+  const std::vector<int>& vertices = link.vertices;
+  const size_t n = vertices.size();
+  const double window = std::min(0.3 * link.length, 0.05 * size);
+  const auto walk = [&](size_t i) {
+    return Vector3d(network.positions.row(vertices[dart % 2 == 0 ? i : n - 1 - i]));
+  };
+  EndParabola parabola(walk(0));
+  for (size_t i = 1; i < n && (i < 3 || parabola.length() < window); ++i) parabola.add(walk(i));
+  const Vector3d chord = parabola.chord(), tangent = parabola.tangent();
+  return tangent.norm() > 0 && tangent.dot(chord) > 0 ? tangent.normalized() : chord.normalized();
+}
+
+double network_size(const CurveNetwork& network, const LinkGraph& graph) {
+  Vector3d mean = Vector3d::Zero();
+  double count = 0, greatest = 0;
+  for (const NetworkLink& link : graph.links)
+    for (const int v : link.vertices) {
+      mean += network.positions.row(v).transpose();
+      ++count;
+    }
+  if (count > 0) mean /= count;
+  for (const NetworkLink& link : graph.links)
+    for (const int v : link.vertices)
+      greatest = std::max(greatest, (network.positions.row(v).transpose() - mean).norm());
+  return 2 * greatest;
+}
+
+Vector3d carried(const Vector3d& v, const Vector3d& a, const Vector3d& b) {
+  const double cosine = a.dot(b);
+  if (cosine < -1 + 1e-9) return v;  // straight back: any half turn would do
+  const Vector3d axis = a.cross(b);
+  return v + axis.cross(v) + axis.cross(axis.cross(v)) / (1 + cosine);
+}
+
+std::vector<int> following_darts(const std::vector<std::vector<int>>& orders, std::size_t n_darts) {
+  std::vector<int> follow(n_darts, -1);
+  // With the patch to the left, a walk that arrives by a dart leaves by the one clockwise of its twin.
+  for (const std::vector<int>& around : orders)
+    for (size_t i = 0; i < around.size(); ++i) follow[at(around[(i + 1) % around.size()] ^ 1)] = around[i];
+  return follow;
+}
+
+LinkGraph link_graph(const CurveNetwork& network) {
+  LinkGraph graph;
+  graph.topology = network_topology(network);
+  const std::vector<NetworkSegment>& segments = graph.topology.segments;
+  for (const NetworkSegment& segment : segments)
+    for (size_t i = 0; i < segment.vertices.size(); ++i) {
+      const int v = segment.vertices[i];
+      if (!network.positions.row(v).allFinite())
+        throw InvalidInput(concat("vertex ", v, " of ", curve_name(network, segment.curve),
+                                  " has a coordinate that is not a number; repair or remove it"));
+      if (i > 0 && network.positions.row(v) == network.positions.row(segment.vertices[i - 1]))
+        throw InvalidInput(concat("the vertices ", segment.vertices[i - 1], " and ", v, " of ",
+                                  curve_name(network, segment.curve),
+                                  " lie at the same place; merge them into one"));
+    }
+  std::vector<std::vector<int>> leaving(graph.topology.nodes.size());
+  for (size_t s = 0; s < segments.size(); ++s) {
+    leaving[at(segments[s].from)].push_back(static_cast<int>(2 * s));
+    leaving[at(segments[s].to)].push_back(static_cast<int>(2 * s + 1));
+  }
+  for (size_t n = 0; n < leaving.size(); ++n)
+    if (leaving[n].size() == 1)
+      throw InvalidInput(concat(curve_name(network, segments[at(leaving[n][0] / 2)].curve),
+                                " ends at vertex ", graph.topology.nodes[n],
+                                " without meeting another curve; join it to the network or remove it"));
+  const auto passed = [&](int n) {
+    const std::vector<int>& darts = leaving[at(n)];
+    return darts.size() == 2 && darts[0] / 2 != darts[1] / 2 &&
+           segments[at(darts[0] / 2)].boundary == segments[at(darts[1] / 2)].boundary;
+  };
+  graph.darts.resize(leaving.size());
+  std::vector<char> taken(segments.size(), 0);
+  const auto walk = [&](int first) {
+    const auto l = static_cast<int>(graph.links.size());
+    NetworkLink link;
+    link.border = segments[at(first / 2)].boundary;
+    int dart = first;
+    while (true) {
+      const NetworkSegment& segment = segments[at(dart / 2)];
+      taken[at(dart / 2)] = 1;
+      link.darts.push_back(dart);
+      const bool forwards = dart % 2 == 0;
+      std::vector<int> vertices = segment.vertices;
+      if (!forwards) std::reverse(vertices.begin(), vertices.end());
+      if (link.from < 0) {
+        link.from = forwards ? segment.from : segment.to;
+        link.vertices.push_back(vertices.front());
+      }
+      link.vertices.insert(link.vertices.end(), vertices.begin() + 1, vertices.end());
+      link.to = forwards ? segment.to : segment.from;
+      if (link.to == link.from || !passed(link.to)) break;
+      const std::vector<int>& next = leaving[at(link.to)];
+      dart = next[0] == (dart ^ 1) ? next[1] : next[0];
+    }
+    for (size_t i = 1; i < link.vertices.size(); ++i)
+      link.length +=
+          (network.positions.row(link.vertices[i]) - network.positions.row(link.vertices[i - 1])).norm();
+    graph.darts[at(link.from)].push_back(2 * l);
+    graph.darts[at(link.to)].push_back(2 * l + 1);
+    graph.links.push_back(std::move(link));
+  };
+  for (size_t n = 0; n < leaving.size(); ++n)
+    if (!passed(static_cast<int>(n)))
+      for (const int d : leaving[n])
+        if (!taken[at(d / 2)]) walk(d);
+  for (size_t s = 0; s < segments.size(); ++s)  // what is left are closed chains
+    if (!taken[s]) walk(static_cast<int>(2 * s));
+  return graph;
+}
+
+OrderSearchResult search_node_orders(const CurveNetwork& network, const LinkGraph& graph,
+                                     const Progress& progress) {
+  return OrderSearch(network, graph, progress).run();
+}
+
+}  // namespace batten::detail

@@ -1,0 +1,600 @@
+#include "batten/strokes/sketch_cleaning.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <set>
+
+#include "batten/core/error.hpp"
+#include "batten/core/text.hpp"
+#include "batten/core/units.hpp"
+#include "batten/mesh/box_tree.hpp"
+#include "batten/mesh/distance.hpp"
+#include "batten/mesh/triangle_mesh.hpp"
+#include "batten/network/contacts.hpp"
+
+namespace batten {
+
+namespace {
+
+using detail::CurveIndex;
+using Vector = Eigen::Vector3d;
+
+/// Strokes drawn over each other run within this angle.
+const double kSameDirection = std::cos(radians(25));
+/// Less than this many tolerances along each other is a crossing or a touch, not a stroke drawn twice.
+constexpr double kOverdraw = 6;
+/// What is left between two overdrawn pieces counts when it is this many tolerances long.
+constexpr double kRest = 3;
+/// Weld tolerances along a loop, or along both of two curves between the same nodes, that make no patch.
+constexpr double kShortest = 6;
+
+size_t at(int i) {
+  return static_cast<size_t>(i);
+}
+
+Vector position(const CurveNetwork& network, int v) {
+  return network.positions.row(v);
+}
+
+double length_of(const CurveNetwork& network, const std::vector<int>& vertices) {
+  double length = 0;
+  for (size_t k = 1; k < vertices.size(); ++k)
+    length += (position(network, vertices[k]) - position(network, vertices[k - 1])).norm();
+  return length;
+}
+
+std::string coordinates(const Vector& p) {
+  return concat("(", p.x(), ", ", p.y(), ", ", p.z(), ")");
+}
+
+/// The network with vertices that no curve uses dropped; the others keep their order.
+CurveNetwork compacted(CurveNetwork network) {
+  std::vector<int> number(at(static_cast<int>(network.positions.rows())), -1);
+  for (const NetworkCurve& curve : network.curves)
+    for (const int v : curve.vertices) number[at(v)] = 0;
+  int n = 0;
+  for (size_t v = 0; v < number.size(); ++v)
+    if (number[v] == 0) {
+      number[v] = n;
+      network.positions.row(n++) = network.positions.row(static_cast<Eigen::Index>(v)).eval();
+    }
+  network.positions.conservativeResize(n, 3);
+  for (NetworkCurve& curve : network.curves)
+    for (int& v : curve.vertices) v = number[at(v)];
+  std::vector<int> tagged;
+  for (const int v : network.tagged_nodes)
+    if (number[at(v)] >= 0) tagged.push_back(number[at(v)]);
+  network.tagged_nodes = std::move(tagged);
+  return network;
+}
+
+/// Drops what strokes repeat of longer ones, or of their own beginning.
+class OverdrawRemover {
+ public:
+  OverdrawRemover(const CurveNetwork& network, double tolerance) : network_(network), tolerance_(tolerance) {
+    for (size_t c = 0; c < network.curves.size(); ++c) {
+      const std::vector<int>& vertices = network.curves[c].vertices;
+      lengths_.push_back(length_of(network, vertices));
+      double along = 0;
+      first_.push_back(static_cast<int>(edges_.size()));
+      for (size_t k = 0; k + 1 < vertices.size(); ++k) {
+        const Vector a = position(network, vertices[k]), b = position(network, vertices[k + 1]);
+        edges_.push_back({static_cast<int>(c), a, b, along});
+        along += (b - a).norm();
+        boxes_.push_back({a.cwiseMin(b), a.cwiseMax(b)});
+      }
+    }
+    first_.push_back(static_cast<int>(edges_.size()));
+  }
+
+  CurveNetwork run(int& n_dropped) {
+    const BoxTree tree(boxes_);
+    std::vector<int> by_length(network_.curves.size());
+    std::iota(by_length.begin(), by_length.end(), 0);
+    std::stable_sort(by_length.begin(), by_length.end(),
+                     [&](int a, int b) { return lengths_[at(a)] > lengths_[at(b)]; });
+    rank_.resize(by_length.size());
+    for (size_t i = 0; i < by_length.size(); ++i) rank_[at(by_length[i])] = static_cast<int>(i);
+    dropped_.assign(edges_.size(), 0);
+    for (const int c : by_length) {
+      std::vector<char> covered;
+      for (int e = first_[at(c)]; e < first_[at(c) + 1]; ++e) covered.push_back(is_covered(tree, e));
+      n_dropped += drop_runs(c, covered);
+    }
+    CurveNetwork result = network_;
+    result.curves.clear();
+    for (size_t c = 0; c < network_.curves.size(); ++c) {
+      const NetworkCurve& curve = network_.curves[c];
+      NetworkCurve piece{curve.name, curve.boundary, {}};
+      for (int e = first_[c]; e < first_[c + 1]; ++e) {
+        const size_t k = at(e - first_[c]);
+        if (dropped_[at(e)]) {
+          if (piece.vertices.size() > 1) result.curves.push_back(piece);
+          piece.vertices.clear();
+          continue;
+        }
+        if (piece.vertices.empty()) piece.vertices.push_back(curve.vertices[k]);
+        piece.vertices.push_back(curve.vertices[k + 1]);
+      }
+      if (piece.vertices.size() > 1) result.curves.push_back(std::move(piece));
+    }
+    return compacted(std::move(result));
+  }
+
+ private:
+  struct Edge {
+    int curve;
+    Vector a, b;
+    double along;  ///< arc length from the beginning of its curve to a
+  };
+
+  /// The middle of an edge lies beside a longer stroke, or an earlier place of the same, that goes its way.
+  bool is_covered(const BoxTree& tree, int e) const {
+    const Edge& edge = edges_[at(e)];
+    const Vector middle = 0.5 * (edge.a + edge.b), direction = (edge.b - edge.a).normalized();
+    const Box around{middle.array() - tolerance_, middle.array() + tolerance_};
+    bool covered = false;
+    tree.query(around, [&](int f) {
+      const Edge& other = edges_[at(f)];
+      if (dropped_[at(f)]) return true;
+      if (other.curve == edge.curve ? other.along > edge.along - 2 * kOverdraw * tolerance_
+                                    : rank_[at(other.curve)] > rank_[at(edge.curve)])
+        return true;
+      if (closest_point_on_segment(middle, other.a, other.b).squared_distance > tolerance_ * tolerance_)
+        return true;
+      covered = std::abs((other.b - other.a).normalized().dot(direction)) > kSameDirection;
+      return !covered;
+    });
+    return covered;
+  }
+
+  /// Marks the covered runs that are long enough; short rests between or beside them go along.
+  int drop_runs(int c, std::vector<char>& covered) {
+    const int first = first_[at(c)], n = static_cast<int>(covered.size());
+    const auto length = [&](int begin, int end) {
+      double sum = 0;
+      for (int k = begin; k < end; ++k) sum += (edges_[at(first + k)].b - edges_[at(first + k)].a).norm();
+      return sum;
+    };
+    const auto runs = [&] {
+      std::vector<std::array<int, 2>> list;
+      for (int k = 0; k < n;) {
+        int end = k;
+        while (end < n && covered[at(end)] == covered[at(k)]) ++end;
+        list.push_back({k, end});
+        k = end;
+      }
+      return list;
+    };
+    for (const auto& [begin, end] : runs())
+      if (covered[at(begin)] && length(begin, end) < kOverdraw * tolerance_ &&
+          length(begin, end) < 0.8 * lengths_[at(c)])
+        std::fill(covered.begin() + begin, covered.begin() + end, 0);
+    for (const auto& [begin, end] : runs())
+      if (!covered[at(begin)] && length(begin, end) < kRest * tolerance_ && n > end - begin)
+        std::fill(covered.begin() + begin, covered.begin() + end, 1);
+    int dropped = 0;
+    for (const auto& [begin, end] : runs()) {
+      if (!covered[at(begin)]) continue;
+      ++dropped;
+      std::fill(dropped_.begin() + first + begin, dropped_.begin() + first + end, 1);
+    }
+    return dropped;
+  }
+
+  const CurveNetwork& network_;
+  double tolerance_;
+  std::vector<Edge> edges_;
+  std::vector<int> first_;  ///< per curve: its first edge; and the total
+  std::vector<Box> boxes_;
+  std::vector<double> lengths_;
+  std::vector<int> rank_;
+  std::vector<char> dropped_;
+};
+
+std::vector<int> degrees_of(const CurveNetwork& network) {
+  std::vector<int> degree(at(static_cast<int>(network.positions.rows())), 0);
+  for (const NetworkCurve& curve : network.curves)
+    for (size_t k = 1; k < curve.vertices.size(); ++k) {
+      ++degree[at(curve.vertices[k])];
+      ++degree[at(curve.vertices[k - 1])];
+    }
+  return degree;
+}
+
+/// Free ends go on to the nearest stroke within reach: to a vertex of it, or one put there.
+CurveNetwork with_extended_ends(const CurveNetwork& network, double reach, double tolerance,
+                                int& n_extended) {
+  const CurveIndex index(network, tolerance);
+  const std::vector<int> degree = degrees_of(network);
+  CurveNetwork result = network;
+  std::vector<Vector> added;
+  const auto n = static_cast<int>(network.positions.rows());
+  struct Insertion {
+    double place;
+    int vertex;
+  };
+  std::vector<std::vector<Insertion>> insertions(network.curves.size());
+  std::set<std::pair<int, int>> joined;  // pairs of ends that were led to each other
+  struct Extension {
+    int curve;
+    bool at_last;
+    int vertex;
+  };
+  std::vector<Extension> extensions;
+  for (int c = 0; c < static_cast<int>(network.curves.size()); ++c) {
+    const NetworkCurve& curve = network.curves[at(c)];
+    if (curve.closed()) continue;
+    for (const bool at_last : {false, true}) {
+      const int end = at_last ? curve.vertices.back() : curve.vertices.front();
+      if (degree[at(end)] != 1) continue;
+      const auto place = index.nearest_other(c, at_last, reach);
+      if (!place) continue;
+      const std::vector<int>& theirs = network.curves[at(place->curve)].vertices;
+      const double gap = (place->point - position(network, end)).norm();
+      // A vertex hardly farther away than the nearest point is taken as it is, an end before others.
+      const double near = std::max(tolerance, 0.3 * gap);
+      int target = -1;
+      double least = near;
+      for (const int v :
+           {theirs.front(), theirs.back(), theirs[at(place->edge)], theirs[at(place->edge) + 1]}) {
+        const double distance = (position(network, v) - place->point).norm() * (degree[at(v)] == 1 ? 0.5 : 1);
+        if (v != end && distance < least) {
+          least = distance;
+          target = v;
+        }
+      }
+      if (target < 0) {
+        target = n + static_cast<int>(added.size());
+        added.push_back(place->point);
+        insertions[at(place->curve)].push_back({place->edge + place->fraction, target});
+      } else if (!joined.insert({std::min(end, target), std::max(end, target)}).second) {
+        continue;  // the other end was led here already
+      }
+      extensions.push_back({c, at_last, target});
+      ++n_extended;
+    }
+  }
+  for (size_t c = 0; c < insertions.size(); ++c) {
+    std::sort(insertions[c].begin(), insertions[c].end(),
+              [](const Insertion& a, const Insertion& b) { return a.place < b.place; });
+    std::vector<int> vertices;
+    size_t next = 0;
+    for (size_t k = 0; k < network.curves[c].vertices.size(); ++k) {
+      vertices.push_back(network.curves[c].vertices[k]);
+      while (next < insertions[c].size() && insertions[c][next].place < static_cast<double>(k + 1))
+        vertices.push_back(insertions[c][next++].vertex);
+    }
+    result.curves[c].vertices = std::move(vertices);
+  }
+  for (const Extension& extension : extensions) {
+    std::vector<int>& vertices = result.curves[at(extension.curve)].vertices;
+    vertices.insert(extension.at_last ? vertices.end() : vertices.begin(), extension.vertex);
+  }
+  result.positions.conservativeResize(n + static_cast<Eigen::Index>(added.size()), 3);
+  for (size_t i = 0; i < added.size(); ++i)
+    result.positions.row(n + static_cast<Eigen::Index>(i)) = added[i].transpose();
+  return result;
+}
+
+/// Every segment a curve of its own.
+CurveNetwork in_segments(const CurveNetwork& network) {
+  CurveNetwork result = network;
+  result.curves.clear();
+  for (const NetworkSegment& segment : network_topology(network).segments)
+    result.curves.push_back({network.curves[at(segment.curve)].name, segment.boundary, segment.vertices});
+  return result;
+}
+
+/// Segments shorter than the tolerance shrink to a node between their ends, and of segments that run beside
+/// each other between the same nodes one is left.
+CurveNetwork without_slivers(const CurveNetwork& network, double tolerance, double shortest,
+                             double shortest_loop, int& n_dropped) {
+  CurveNetwork pieces = in_segments(network);
+  const auto n = static_cast<int>(pieces.positions.rows());
+  std::vector<int> parent(at(n));
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto root = [&](int i) {
+    while (parent[at(i)] != i) i = parent[at(i)] = parent[at(parent[at(i)])];
+    return i;
+  };
+  std::vector<NetworkCurve> kept;
+  for (NetworkCurve& piece : pieces.curves) {
+    if (length_of(pieces, piece.vertices) >= tolerance) {
+      kept.push_back(std::move(piece));
+      continue;
+    }
+    const int a = root(piece.vertices.front()), b = root(piece.vertices.back());
+    parent[at(std::max(a, b))] = std::min(a, b);
+  }
+  std::vector<Vector> sum(at(n), Vector::Zero());
+  std::vector<int> count(at(n), 0);
+  for (int v = 0; v < n; ++v) {
+    sum[at(root(v))] += position(network, v);
+    ++count[at(root(v))];
+  }
+  for (int v = 0; v < n; ++v)
+    if (count[at(v)] > 1) pieces.positions.row(v) = sum[at(v)] / count[at(v)];
+  std::map<std::pair<int, int>, std::vector<size_t>> between;
+  std::vector<NetworkCurve> result;
+  for (NetworkCurve& piece : kept) {
+    piece.vertices.front() = root(piece.vertices.front());
+    piece.vertices.back() = root(piece.vertices.back());
+    const int a = piece.vertices.front(), b = piece.vertices.back();
+    // Loops, and pairs between the same nodes, too short to bound a patch; a loop has both sides in one.
+    const double length = length_of(pieces, piece.vertices);
+    const bool is_short = length < shortest;
+    if (a == b && (length < shortest_loop || piece.vertices.size() < 4)) {
+      ++n_dropped;
+      continue;
+    }
+    std::vector<size_t>& others = between[{std::min(a, b), std::max(a, b)}];
+    const auto beside = [&](size_t other) {
+      const std::vector<int>& theirs = result[other].vertices;
+      return std::all_of(piece.vertices.begin(), piece.vertices.end(), [&](int v) {
+        for (size_t k = 1; k < theirs.size(); ++k)
+          if (closest_point_on_segment(position(pieces, v), position(pieces, theirs[k - 1]),
+                                       position(pieces, theirs[k]))
+                  .squared_distance <= 4 * tolerance * tolerance)
+            return true;
+        return false;
+      });
+    };
+    // Twice the tolerance: either may have moved by it.
+    const auto as_short = [&](size_t other) {
+      return is_short && length_of(pieces, result[other].vertices) < shortest;
+    };
+    if (std::any_of(others.begin(), others.end(), [&](size_t o) { return as_short(o) || beside(o); })) {
+      ++n_dropped;
+      continue;
+    }
+    others.push_back(result.size());
+    result.push_back(std::move(piece));
+  }
+  pieces.curves = std::move(result);
+  return compacted(std::move(pieces));
+}
+
+/// Leaves out segments that end in nothing, and bridges, which would have one patch on both sides.
+/// @param told takes a warning for each. @param left_out takes the segments themselves.
+CurveNetwork without_tails(const CurveNetwork& network, CleanedSketch& told,
+                           std::vector<std::vector<Vector>>& left_out) {
+  CurveNetwork pieces = in_segments(network);
+  const NetworkTopology topology = network_topology(pieces);
+  const std::vector<NetworkSegment>& segments = topology.segments;
+  std::vector<std::vector<int>> incident(topology.nodes.size());
+  for (size_t s = 0; s < segments.size(); ++s) {
+    incident[at(segments[s].from)].push_back(static_cast<int>(s));
+    if (segments[s].to != segments[s].from) incident[at(segments[s].to)].push_back(static_cast<int>(s));
+  }
+  std::vector<char> kept(segments.size(), 1);
+  const auto other = [&](int s, int node) {
+    return segments[at(s)].from == node ? segments[at(s)].to : segments[at(s)].from;
+  };
+  const auto describe = [&](int s, const char* reason) {
+    const std::vector<int>& vertices = segments[at(s)].vertices;
+    const std::string& name = pieces.curves[at(segments[at(s)].curve)].name;
+    ++told.n_left_out;
+    left_out.emplace_back();
+    for (const int v : vertices) left_out.back().push_back(position(pieces, v));
+    told.warnings.push_back(concat("the piece ", name.empty() ? std::string() : concat("of ", name, " "),
+                                   "from ", coordinates(position(pieces, vertices.front())), " to ",
+                                   coordinates(position(pieces, vertices.back())),
+                                   " was left out: ", reason));
+  };
+  std::vector<int> queue;
+  std::vector<int> valence(topology.nodes.size(), 0);
+  for (size_t s = 0; s < segments.size(); ++s) {
+    ++valence[at(segments[s].from)];
+    ++valence[at(segments[s].to)];
+  }
+  for (size_t n = 0; n < valence.size(); ++n)
+    if (valence[n] == 1) queue.push_back(static_cast<int>(n));
+  while (!queue.empty()) {
+    const int node = queue.back();
+    queue.pop_back();
+    if (valence[at(node)] != 1) continue;
+    for (const int s : incident[at(node)]) {
+      if (!kept[at(s)]) continue;
+      kept[at(s)] = 0;
+      describe(s, "it ends in nothing; connect its end to have patches on both of its sides");
+      --valence[at(node)];
+      if (--valence[at(other(s, node))] == 1) queue.push_back(other(s, node));
+    }
+  }
+  // Bridges by depth-first search: a segment that no way round closes.
+  std::vector<int> order(topology.nodes.size(), -1), low(topology.nodes.size(), 0);
+  int clock = 0;
+  struct Visit {
+    int node, by;
+    size_t next;
+  };
+  std::vector<int> bridges;
+  for (size_t start = 0; start < order.size(); ++start) {
+    if (order[start] >= 0) continue;
+    std::vector<Visit> stack{{static_cast<int>(start), -1, 0}};
+    order[start] = low[start] = clock++;
+    while (!stack.empty()) {
+      const int node = stack.back().node, by = stack.back().by;
+      if (stack.back().next < incident[at(node)].size()) {
+        const int s = incident[at(node)][stack.back().next++];
+        if (!kept[at(s)] || s == by) continue;
+        const int to = other(s, node);
+        if (order[at(to)] < 0) {
+          order[at(to)] = low[at(to)] = clock++;
+          stack.push_back({to, s, 0});
+        } else {
+          low[at(node)] = std::min(low[at(node)], order[at(to)]);
+        }
+        continue;
+      }
+      stack.pop_back();
+      if (by < 0) continue;
+      const int parent = stack.back().node;
+      low[at(parent)] = std::min(low[at(parent)], low[at(node)]);
+      if (low[at(node)] > order[at(parent)]) bridges.push_back(by);
+    }
+  }
+  std::sort(bridges.begin(), bridges.end());
+  for (const int s : bridges) {
+    kept[at(s)] = 0;
+    describe(s,
+             "it is the only way between two parts, so that one patch would lie on both of its sides; "
+             "connect the parts by a second curve");
+  }
+  std::vector<NetworkCurve> curves;
+  for (size_t s = 0; s < segments.size(); ++s)
+    if (kept[s])
+      curves.push_back(
+          {pieces.curves[at(segments[s].curve)].name, segments[s].boundary, segments[s].vertices});
+  pieces.curves = std::move(curves);
+  return compacted(std::move(pieces));
+}
+
+/// Tells strokes of which nothing is left, neither in the network nor among what is told already: they are
+/// so small that welding has drawn them together.
+void tell_lost_strokes(const CurveNetwork& strokes, std::vector<std::vector<Vector>> lines, double tolerance,
+                       CleanedSketch& told) {
+  for (const NetworkCurve& curve : told.network.curves) {
+    lines.emplace_back();
+    for (const int v : curve.vertices) lines.back().push_back(position(told.network, v));
+  }
+  std::vector<std::pair<Vector, Vector>> edges;
+  std::vector<Box> boxes;
+  for (const std::vector<Vector>& line : lines)
+    for (size_t k = 1; k < line.size(); ++k) {
+      edges.emplace_back(line[k - 1], line[k]);
+      boxes.push_back({line[k - 1].cwiseMin(line[k]), line[k - 1].cwiseMax(line[k])});
+    }
+  const BoxTree tree(boxes);
+  const auto is_near = [&](const Vector& p) {
+    bool found = false;
+    tree.query({p.array() - tolerance, p.array() + tolerance}, [&](int e) {
+      const auto& [a, b] = edges[at(e)];
+      found = closest_point_on_segment(p, a, b).squared_distance <= tolerance * tolerance;
+      return !found;
+    });
+    return found;
+  };
+  for (size_t c = 0; c < strokes.curves.size(); ++c) {
+    const std::vector<int>& vertices = strokes.curves[c].vertices;
+    if (std::any_of(vertices.begin(), vertices.end(), [&](int v) { return is_near(position(strokes, v)); }))
+      continue;
+    ++told.n_left_out;
+    told.warnings.push_back(concat(curve_name(strokes, static_cast<int>(c)), " from ",
+                                   coordinates(position(strokes, vertices.front())), " to ",
+                                   coordinates(position(strokes, vertices.back())),
+                                   " was left out: it is too short to bound a patch beside the size of the "
+                                   "sketch; surface small parts on their own, or weld within less"));
+  }
+}
+
+void add(WeldReport& sum, const WeldReport& report) {
+  sum.n_merged_vertices += report.n_merged_vertices;
+  sum.n_inserted_nodes += report.n_inserted_nodes;
+  sum.n_removed_curves += report.n_removed_curves;
+}
+
+}  // namespace
+
+std::optional<std::string> SketchCleaningOptions::problem() const {
+  if (!(weld_tolerance > 0) || !(weld_tolerance < 0.2))
+    return concat("weld_tolerance must be between 0 and 0.2 of the diameter, got ", weld_tolerance);
+  if (!(reach >= 0) || !(reach < 0.5))
+    return concat("reach must be from 0 to 0.5 of the diameter, got ", reach);
+  if (!(shortest_side >= 0) || !(shortest_side < 0.5))
+    return concat("shortest_side must be from 0 to 0.5 of the diameter, got ", shortest_side);
+  return std::nullopt;
+}
+
+CurveNetwork joined_curves(const CurveNetwork& network) {
+  const NetworkTopology topology = network_topology(network);
+  const std::vector<NetworkSegment>& segments = topology.segments;
+  std::vector<std::vector<int>> leaving(topology.nodes.size());  // darts: 2s forwards, 2s + 1 backwards
+  for (size_t s = 0; s < segments.size(); ++s) {
+    leaving[at(segments[s].from)].push_back(static_cast<int>(2 * s));
+    leaving[at(segments[s].to)].push_back(static_cast<int>(2 * s + 1));
+  }
+  const std::set<int> tagged(network.tagged_nodes.begin(), network.tagged_nodes.end());
+  // A curve goes on where two segments meet, and where it did before (at crossings).
+  const auto following = [&](int dart) {
+    const int node = dart % 2 == 0 ? segments[at(dart / 2)].to : segments[at(dart / 2)].from;
+    const std::vector<int>& darts = leaving[at(node)];
+    if (darts.size() == 2 && darts[0] / 2 != darts[1] / 2 && tagged.count(topology.nodes[at(node)]) == 0) {
+      const int next = darts[0] == (dart ^ 1) ? darts[1] : darts[0];
+      return segments[at(next / 2)].boundary == segments[at(dart / 2)].boundary ? next : -1;
+    }
+    const int beside = dart % 2 == 0 ? dart + 2 : dart - 2;  // segments of a curve follow each other
+    if (beside < 0 || at(beside / 2) >= segments.size()) return -1;
+    const NetworkSegment& next = segments[at(beside / 2)];
+    const bool same =
+        next.curve == segments[at(dart / 2)].curve && (beside % 2 == 0 ? next.from : next.to) == node;
+    return same ? beside : -1;
+  };
+  CurveNetwork result = network;
+  result.curves.clear();
+  std::vector<char> taken(segments.size(), 0);
+  const auto walk = [&](int dart) {
+    const NetworkSegment& first = segments[at(dart / 2)];
+    NetworkCurve curve{network.curves[at(first.curve)].name, first.boundary, {}};
+    for (; dart >= 0 && !taken[at(dart / 2)]; dart = following(dart)) {
+      taken[at(dart / 2)] = 1;
+      std::vector<int> vertices = segments[at(dart / 2)].vertices;
+      if (dart % 2 == 1) std::reverse(vertices.begin(), vertices.end());
+      curve.vertices.insert(curve.vertices.end(), vertices.begin() + (curve.vertices.empty() ? 0 : 1),
+                            vertices.end());
+    }
+    result.curves.push_back(std::move(curve));
+  };
+  for (size_t s = 0; s < segments.size(); ++s)
+    for (const int dart : {static_cast<int>(2 * s), static_cast<int>(2 * s + 1)})
+      if (!taken[s] && following(dart ^ 1) < 0) walk(dart);
+  for (size_t s = 0; s < segments.size(); ++s)
+    if (!taken[s]) walk(static_cast<int>(2 * s));
+  return result;
+}
+
+CleanedSketch clean_sketch(const CurveNetwork& sketch, const SketchCleaningOptions& options) {
+  if (const auto problem = options.problem()) throw InvalidInput(*problem);
+  CleanedSketch result;
+  CurveNetwork strokes = sketch;
+  strokes.normals.resize(0, 3);
+  strokes = compacted(joined_curves(strokes));
+  result.n_strokes = static_cast<int>(strokes.curves.size());
+  const double diameter = bounding_box_diagonal(strokes.positions);
+  if (!(diameter > 0) || !std::isfinite(diameter))
+    throw InvalidInput("the sketch has no extent, or a coordinate that is not a number");
+  result.findings = diagnose_network(strokes);
+  const double tolerance = options.weld_tolerance * diameter;
+
+  CurveNetwork network = OverdrawRemover(strokes, tolerance).run(result.n_overdrawn);
+  WeldReport report;
+  network = welded(network, tolerance, &report);
+  add(result.weld, report);
+  if (options.reach > options.weld_tolerance)
+    network = with_extended_ends(network, options.reach * diameter, tolerance, result.n_extended_ends);
+  network = welded(network, tolerance, &report);
+  add(result.weld, report);
+  const double shortest = std::max(kShortest * tolerance, options.shortest_side * diameter);
+  const double shortest_loop = std::max(shortest, 2 * options.shortest_side * diameter);
+  network = without_slivers(network, 2 * tolerance, shortest, shortest_loop, result.n_overdrawn);
+  std::vector<std::vector<Vector>> left_out;
+  network = joined_curves(without_tails(network, result, left_out));
+  // What was left out may leave other curves behind that are too short to bound a patch.
+  for (std::size_t before = 0; before != network.curves.size();) {
+    before = network.curves.size();
+    network = without_slivers(network, 0, options.shortest_side * diameter,
+                              2 * options.shortest_side * diameter, result.n_overdrawn);
+    network = joined_curves(without_tails(network, result, left_out));
+  }
+  result.network = std::move(network);
+  // Ends may have been moved by the tolerance more than once, and overdrawn strokes lie beside another.
+  tell_lost_strokes(strokes, std::move(left_out), 3 * tolerance, result);
+  return result;
+}
+
+}  // namespace batten

@@ -1,0 +1,89 @@
+#include "batten/strokes/snapping.hpp"
+
+#include "network/sphere_network.hpp"
+
+#include <gtest/gtest.h>
+
+#include "batten/core/error.hpp"
+#include "batten/network/diagnosis.hpp"
+
+namespace batten {
+namespace {
+
+using fixtures::add_polyline;
+using fixtures::line;
+
+// A cross and a T, drawn without shared vertices; what must meet is known by construction.
+CurveNetwork unwelded(double scale = 1) {
+  CurveNetwork network;
+  add_polyline(network, scale * line({-5, 0, 0}, {5, 0, 0}, 24));
+  add_polyline(network, scale * line({0, -5, 0.02}, {0, 5, 0.02}, 20));
+  add_polyline(network, scale * line({2.3, 0.03, 0}, {2.3, 4, 0}, 9));
+  add_polyline(network, scale * line({2.31, 4, 0}, {5, 4, 0}, 9));
+  return network;
+}
+
+TEST(Welded, JoinsCrossingsEndsAndTJunctions) {
+  for (const double scale : {1.0, 1e-3, 1e3}) {
+    WeldReport report;
+    const CurveNetwork network = welded(unwelded(scale), 0.05 * scale, &report);
+    const NetworkTopology topology = network_topology(network);
+    EXPECT_EQ(topology.n_components, 1);
+    // four arms of the cross, the arm with the T cut once more, the two other lines
+    EXPECT_EQ(topology.segments.size(), 7u);
+    EXPECT_EQ(network.curves.size(), 4u);
+    EXPECT_EQ(network.curves[2].vertices.back(), network.curves[3].vertices.front());
+    EXPECT_EQ(report.n_merged_vertices, 3);
+    for (const NetworkFinding& finding : diagnose_network(network)) {
+      EXPECT_NE(finding.defect, NetworkDefect::Crossing) << finding.sentence;
+      EXPECT_NE(finding.defect, NetworkDefect::TJunction) << finding.sentence;
+    }
+  }
+}
+
+// No point of a curve moves further than the tolerance: every old sample is within it of the new polyline's
+// samples or unchanged.
+TEST(Welded, MovesNoPointFurtherThanTheTolerance) {
+  const CurveNetwork before = unwelded(), after = welded(before, 0.05);
+  for (size_t c = 0; c < before.curves.size(); ++c)
+    for (const int v : before.curves[c].vertices) {
+      double nearest = 1e9;
+      for (const int w : after.curves[c].vertices)
+        nearest = std::min(nearest, (after.positions.row(w) - before.positions.row(v)).norm());
+      EXPECT_LE(nearest, 0.05);
+    }
+}
+
+TEST(Welded, LeavesAWeldedNetworkAsItIs) {
+  const CurveNetwork once = welded(unwelded(), 0.05);
+  WeldReport report;
+  const CurveNetwork twice = welded(once, 0.05, &report);
+  EXPECT_EQ(once.positions, twice.positions);
+  EXPECT_EQ(report.n_merged_vertices, 0);
+  EXPECT_EQ(report.n_inserted_nodes, 0);
+  const CurveNetwork sphere = fixtures::three_great_circles(10);
+  const CurveNetwork same = welded(sphere, 0.01);
+  EXPECT_EQ(same.positions, sphere.positions);
+  EXPECT_EQ(same.normals, sphere.normals);
+  for (size_t c = 0; c < 3; ++c) EXPECT_EQ(same.curves[c].vertices, sphere.curves[c].vertices);
+}
+
+TEST(Welded, ClosesACurveWhoseEndsAlmostMeet) {
+  CurveNetwork network;
+  Points ring(50, 3);
+  for (int i = 0; i < 50; ++i) ring.row(i) << std::cos(2 * kPi * i / 49.1), std::sin(2 * kPi * i / 49.1), 0;
+  add_polyline(network, ring);
+  const CurveNetwork closed = welded(network, 0.05);
+  ASSERT_EQ(closed.curves.size(), 1u);
+  EXPECT_TRUE(closed.curves[0].closed());
+}
+
+TEST(Welded, RefusesAToleranceThatIsNotPositive) {
+  for (const double bad : {0.0, -1.0, std::nan("")}) EXPECT_THROW(welded(unwelded(), bad), InvalidInput);
+  CurveNetwork broken = unwelded();
+  broken.curves[0].vertices[3] = 1000;
+  EXPECT_THROW(welded(broken, 0.1), InvalidInput);
+}
+
+}  // namespace
+}  // namespace batten
