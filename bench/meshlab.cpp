@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "batten/core/error.hpp"
+#include "batten/core/statistics.hpp"
 #include "batten/core/text.hpp"
 #include "batten/io/mesh_io.hpp"
 
@@ -84,11 +85,6 @@ Times run(const Folder& folder, const Filter& filter) {
   double wall = 0, user = 0, system = 0;
   std::ifstream(times) >> wall >> user >> system;
   return {wall, user + system};
-}
-
-double median(std::array<double, 3> values) {
-  std::sort(values.begin(), values.end());
-  return values[1];
 }
 
 }  // namespace

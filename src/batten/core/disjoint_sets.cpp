@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <numeric>
 
-#include "batten/core/index.hpp"
-
 namespace batten {
 
 DisjointSets::DisjointSets(int n) : parent_(at(n)), n_sets_(n) {
@@ -15,11 +13,6 @@ int DisjointSets::add() {
   parent_.push_back(size());
   ++n_sets_;
   return size() - 1;
-}
-
-int DisjointSets::root(int i) {
-  while (parent_[at(i)] != i) i = parent_[at(i)] = parent_[at(parent_[at(i)])];
-  return i;
 }
 
 bool DisjointSets::unite(int a, int b) {

@@ -1,6 +1,8 @@
 #pragma once
 #include <vector>
 
+#include "batten/core/index.hpp"
+
 namespace batten {
 
 /// Elements 0 … n − 1 in sets that are united one pair at a time (union-find). Each set is known by its
@@ -19,7 +21,10 @@ class DisjointSets {
   int n_sets() const { return n_sets_; }
 
   /// The smallest element of the set that holds `i`. @pre 0 ≤ i < size().
-  int root(int i);
+  int root(int i) {
+    while (parent_[at(i)] != i) i = parent_[at(i)] = parent_[at(parent_[at(i)])];
+    return i;
+  }
   bool joined(int a, int b) { return root(a) == root(b); }
   /// Unites the sets of `a` and `b`. @return false when they were one already.
   bool unite(int a, int b);

@@ -7,6 +7,7 @@
 
 #include <Eigen/Dense>
 
+#include "batten/core/disjoint_sets.hpp"
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
 #include "batten/deformation/dual_laplacian.hpp"
@@ -44,19 +45,12 @@ void check_options(const DeformOptions& options) {
 
 /// Per vertex the lowest vertex of its connected part.
 std::vector<int> parts(const Triangles& triangles, Eigen::Index n) {
-  std::vector<int> parent(n);
-  for (Eigen::Index v = 0; v < n; ++v) parent[v] = static_cast<int>(v);
-  const auto root = [&](int v) {
-    while (parent[v] != v) v = parent[v] = parent[parent[v]];
-    return v;
-  };
+  DisjointSets sets(static_cast<int>(n));
   for (Eigen::Index f = 0; f < triangles.rows(); ++f)
-    for (int k = 0; k < 2; ++k) {
-      const int a = root(triangles(f, k)), b = root(triangles(f, k + 1));
-      parent[std::max(a, b)] = std::min(a, b);
-    }
-  for (Eigen::Index v = 0; v < n; ++v) parent[v] = root(static_cast<int>(v));
-  return parent;
+    for (int k = 0; k < 2; ++k) sets.unite(triangles(f, k), triangles(f, k + 1));
+  std::vector<int> lowest(n);
+  for (Eigen::Index v = 0; v < n; ++v) lowest[v] = sets.root(static_cast<int>(v));
+  return lowest;
 }
 
 /// Lengthens all edges by one small amount, such that no triangle is flatter than a hundredth of the mean

@@ -3,24 +3,14 @@
 #include <algorithm>
 #include <numeric>
 
+#include "batten/core/disjoint_sets.hpp"
 #include "batten/core/error.hpp"
+#include "batten/core/index.hpp"
 #include "batten/core/text.hpp"
 
 namespace batten {
 
 namespace {
-
-size_t at(int i) {
-  return static_cast<size_t>(i);
-}
-
-int root_of(std::vector<int>& parent, int i) {
-  while (parent[at(i)] != i) {
-    parent[at(i)] = parent[at(parent[at(i)])];
-    i = parent[at(i)];
-  }
-  return i;
-}
 
 void check_indices(const Triangles& triangles, Eigen::Index n_vertices) {
   for (Eigen::Index f = 0; f < triangles.rows(); ++f)
@@ -212,24 +202,13 @@ std::vector<std::vector<int>> boundary_loops(const Triangles& triangles, const M
 }
 
 std::vector<int> triangle_components(const MeshEdges& edges) {
-  const auto n = static_cast<int>(edges.of_triangle.rows());
-  std::vector<int> parent(at(n));
-  std::iota(parent.begin(), parent.end(), 0);
+  DisjointSets sets(static_cast<int>(edges.of_triangle.rows()));
   for (Eigen::Index e = 0; e < edges.n_edges(); ++e) {
     const int begin = edges.offsets[static_cast<size_t>(e)];
-    for (int s = begin + 1; s < edges.offsets[static_cast<size_t>(e) + 1]; ++s) {
-      const int a = root_of(parent, edges.sides[at(begin)] / 3), b = root_of(parent, edges.sides[at(s)] / 3);
-      parent[at(std::max(a, b))] = std::min(a, b);
-    }
+    for (int s = begin + 1; s < edges.offsets[static_cast<size_t>(e) + 1]; ++s)
+      sets.unite(edges.sides[at(begin)] / 3, edges.sides[at(s)] / 3);
   }
-  std::vector<int> component(at(n), -1);
-  int next = 0;
-  for (int f = 0; f < n; ++f) {
-    const int root = root_of(parent, f);
-    if (component[at(root)] < 0) component[at(root)] = next++;
-    component[at(f)] = component[at(root)];
-  }
-  return component;
+  return sets.labels();
 }
 
 std::optional<Eigen::Index> MeshTopology::genus() const {
@@ -259,8 +238,7 @@ MeshTopology mesh_topology(const Triangles& triangles, Eigen::Index n_vertices) 
   }
   // Fans: corners of a vertex that share an edge of at most two triangles belong together.
   const Corners corners = corners_of_vertices(triangles, n_vertices);
-  std::vector<int> parent(corners.corners.size());
-  std::iota(parent.begin(), parent.end(), 0);
+  DisjointSets fans(static_cast<int>(corners.corners.size()));
   const auto corner_at = [&](int triangle, int vertex) {
     for (int k = 0; k < 3; ++k)
       if (triangles(triangle, k) == vertex) return 3 * triangle + k;
@@ -271,9 +249,7 @@ MeshTopology mesh_topology(const Triangles& triangles, Eigen::Index n_vertices) 
     for (int s = begin + 1; s < end; ++s)
       for (int k = 0; k < 2; ++k) {
         const int vertex = edges.vertices(e, k);
-        const int a = root_of(parent, corner_at(edges.sides[at(begin)] / 3, vertex));
-        const int b = root_of(parent, corner_at(edges.sides[at(s)] / 3, vertex));
-        parent[at(std::max(a, b))] = std::min(a, b);
+        fans.unite(corner_at(edges.sides[at(begin)] / 3, vertex), corner_at(edges.sides[at(s)] / 3, vertex));
       }
   }
   for (Eigen::Index v = 0; v < n_vertices; ++v) {
@@ -283,9 +259,8 @@ MeshTopology mesh_topology(const Triangles& triangles, Eigen::Index n_vertices) 
       ++topology.n_unused_vertices;
       continue;
     }
-    const int root = root_of(parent, corners.corners[at(begin)]);
     for (int c = begin + 1; c < end; ++c)
-      if (root_of(parent, corners.corners[at(c)]) != root) {
+      if (!fans.joined(corners.corners[at(c)], corners.corners[at(begin)])) {
         topology.non_manifold_vertices.push_back(static_cast<int>(v));
         break;
       }

@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "batten/core/index.hpp"
 #include "batten/mesh/box_tree.hpp"
 
 namespace batten {
@@ -41,7 +42,6 @@ class DynamicBoxTree {
     bool is_leaf() const { return left < 0; }
   };
 
-  static size_t at(int i) { return static_cast<size_t>(i); }
   int new_node();
   int build(std::vector<std::pair<int, Box>>& items, size_t begin, size_t end);
   void insert(int leaf);

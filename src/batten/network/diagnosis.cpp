@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "batten/core/error.hpp"
+#include "batten/core/index.hpp"
 #include "batten/core/text.hpp"
 #include "batten/core/units.hpp"
 #include "batten/mesh/distance.hpp"
@@ -22,10 +23,6 @@ using detail::Contact;
 using detail::CurveIndex;
 using detail::CurvePlace;
 using Vector = Eigen::Vector3d;
-
-size_t at(int i) {
-  return static_cast<size_t>(i);
-}
 
 std::string coordinates(const Vector& p) {
   return concat("(", p.x(), ", ", p.y(), ", ", p.z(), ")");

@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "batten/core/error.hpp"
+#include "batten/core/index.hpp"
 #include "batten/core/text.hpp"
 #include "batten/core/units.hpp"
 #include "batten/linalg/sparse_cholesky.hpp"
@@ -18,10 +19,6 @@ namespace batten {
 namespace {
 
 using Vector = Eigen::Vector3d;
-
-size_t at(int i) {
-  return static_cast<size_t>(i);
-}
 
 /// Five-point Gauss–Legendre on [0, 1]; exact for polynomials of degree 9.
 constexpr std::array<double, 5> kGaussPlaces = {0.046910077030668, 0.230765344947158, 0.5, 0.769234655052842,

@@ -1,6 +1,6 @@
 #include <algorithm>
-#include <numeric>
 
+#include "batten/core/disjoint_sets.hpp"
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
 #include "batten/network/curve_network.hpp"
@@ -22,11 +22,6 @@ void check_curve(const CurveNetwork& network, std::size_t c) {
       throw InvalidInput(concat(curve_name(network, static_cast<int>(c)), " repeats vertex ", vertices[i],
                                 " at place ", i, "; remove the repetition"));
   }
-}
-
-int find_root(std::vector<int>& parent, int i) {
-  while (parent[i] != i) i = parent[i] = parent[parent[i]];
-  return i;
 }
 
 }  // namespace
@@ -90,18 +85,10 @@ NetworkTopology network_topology(const CurveNetwork& network) {
     }
   }
 
-  std::vector<int> parent(topology.nodes.size());
-  std::iota(parent.begin(), parent.end(), 0);
-  for (const NetworkSegment& segment : topology.segments) {
-    const int a = find_root(parent, segment.from), b = find_root(parent, segment.to);
-    parent[std::max(a, b)] = std::min(a, b);
-  }
-  topology.component_of_node.assign(topology.nodes.size(), -1);
-  for (std::size_t i = 0; i < parent.size(); ++i) {
-    const int root = find_root(parent, static_cast<int>(i));
-    topology.component_of_node[i] =
-        root == static_cast<int>(i) ? topology.n_components++ : topology.component_of_node[root];
-  }
+  DisjointSets components(static_cast<int>(topology.nodes.size()));
+  for (const NetworkSegment& segment : topology.segments) components.unite(segment.from, segment.to);
+  topology.component_of_node = components.labels();
+  topology.n_components = components.n_sets();
   return topology;
 }
 

@@ -7,6 +7,7 @@
 #include <Eigen/QR>
 
 #include "batten/core/error.hpp"
+#include "batten/core/index.hpp"
 #include "batten/core/parallel.hpp"
 #include "batten/core/text.hpp"
 #include "batten/mesh/adjacency.hpp"
@@ -29,10 +30,6 @@ constexpr int kFewestVertices = 9;
 /// Pivots of the fit, in units of the radius, whose ratio is below this say that the vertices lie along a
 /// curve.
 constexpr double kLeastPivot = 3e-3;
-
-size_t at(Index i) {
-  return static_cast<size_t>(i);
-}
 
 struct Quadric {
   Vector3d point, normal;

@@ -9,6 +9,7 @@
 
 #include "batten/core/error.hpp"
 #include "batten/core/parallel.hpp"
+#include "batten/core/statistics.hpp"
 #include "batten/core/text.hpp"
 #include "batten/core/units.hpp"
 #include "batten/mesh/normals.hpp"
@@ -132,13 +133,6 @@ Points corner_normals(const TriangleMesh& mesh, const RenderOptions& options) {
 
 // ---- colour bars ------------------------------------------------------------------------------------------
 
-double percentile(std::vector<double> values, double share) {
-  if (values.empty()) return 0;
-  const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + at, values.end());
-  return values[at];
-}
-
 std::vector<double> finite_values(const Eigen::VectorXd& values) {
   std::vector<double> list;
   for (const double value : values)
@@ -185,7 +179,7 @@ std::string short_number(double value) {
 
 ColourScale error_scale(const Eigen::VectorXd& values, const std::string& unit, double range) {
   ColourScale scale;
-  const std::vector<double> list = finite_values(values);
+  std::vector<double> list = finite_values(values);
   double largest = 0;
   for (const double value : list) largest = std::max(largest, value);
   scale.high = range > 0 ? range : percentile(list, 0.99);

@@ -11,6 +11,7 @@
 #include <Eigen/Geometry>
 
 #include "batten/core/error.hpp"
+#include "batten/core/index.hpp"
 #include "batten/core/text.hpp"
 #include "batten/subdivision/cage_topology_detail.hpp"
 #include "batten/subdivision/catmull_clark_detail.hpp"
@@ -31,10 +32,6 @@ constexpr int kMostPatches = 200000;
 constexpr int kLeastIsolation = 2;
 /// Halvings beyond the isolation down to which the limit surface is sampled.
 constexpr int kSampledHalvings = 4;
-
-size_t at(int index) {
-  return static_cast<size_t>(index);
-}
 
 /// Weights of the four control points of a uniform cubic over [0, 1] in its polar form at three arguments.
 Weights polar_weights(const Arguments& t) {

@@ -3,16 +3,13 @@
 #include <numeric>
 
 #include "batten/core/error.hpp"
+#include "batten/core/index.hpp"
 #include "batten/core/text.hpp"
 #include "batten/subdivision/cage_topology_detail.hpp"
 
 namespace batten::detail {
 
 namespace {
-
-size_t at(int index) {
-  return static_cast<size_t>(index);
-}
 
 void check_faces(const PolygonMesh& mesh) {
   const int n = static_cast<int>(mesh.positions.rows());

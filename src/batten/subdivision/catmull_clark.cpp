@@ -11,6 +11,7 @@
 #include <opensubdiv/far/topologyDescriptor.h>
 
 #include "batten/core/error.hpp"
+#include "batten/core/index.hpp"
 #include "batten/core/text.hpp"
 #include "batten/subdivision/catmull_clark_detail.hpp"
 
@@ -20,10 +21,6 @@ namespace {
 
 namespace Far = OpenSubdiv::Far;
 namespace Sdc = OpenSubdiv::Sdc;
-
-size_t at(int index) {
-  return static_cast<size_t>(index);
-}
 
 /// Rows of three numbers as OpenSubdiv wants to see them.
 class Rows {

@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "batten/core/error.hpp"
+#include "batten/core/index.hpp"
 #include "batten/core/parallel.hpp"
 #include "batten/core/text.hpp"
 #include "batten/core/units.hpp"
@@ -18,10 +19,6 @@ namespace batten::detail {
 namespace {
 
 using Row = Eigen::RowVector3d;
-
-size_t at(int index) {
-  return static_cast<size_t>(index);
-}
 
 /// The polynomial through `n` points over their knots, at t (Lagrange).
 Row interpolated(const double* knots, const Row* points, int n, double t) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "batten/core/error.hpp"
+#include "batten/core/index.hpp"
 #include "batten/core/text.hpp"
 #include "batten/subdivision/cage_topology_detail.hpp"
 #include "batten/subdivision/catmull_clark_detail.hpp"
@@ -14,10 +15,6 @@
 namespace batten {
 
 namespace {
-
-size_t at(int i) {
-  return static_cast<size_t>(i);
-}
 
 /// A vertex with the faces around it: the limit point needs no others, for what subdivision makes of them
 /// comes from them alone.
