@@ -25,24 +25,6 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-void check_options(const DeformOptions& options) {
-  const auto positive = [](double value) { return value > 0 && std::isfinite(value); };
-  if (!(options.soft_weight >= 0) || !std::isfinite(options.soft_weight))
-    throw InvalidInput(concat("soft_weight must be at least 0, got ", options.soft_weight));
-  if (!positive(options.bending_length))
-    throw InvalidInput(concat("bending_length must be positive, got ", options.bending_length));
-  if (!(options.curvature_term >= 0 && options.curvature_term <= 1))
-    throw InvalidInput(concat("curvature_term must lie in [0, 1], got ", options.curvature_term));
-  if (!positive(options.detail_weight))
-    throw InvalidInput(concat("detail_weight must be positive, got ", options.detail_weight));
-  if (!(options.membrane_length >= 0) || !std::isfinite(options.membrane_length))
-    throw InvalidInput(concat("membrane_length must be at least 0, got ", options.membrane_length));
-  if (options.max_iterations < 1)
-    throw InvalidInput(concat("max_iterations must be at least 1, got ", options.max_iterations));
-  if (!positive(options.tolerance))
-    throw InvalidInput(concat("tolerance must be positive, got ", options.tolerance));
-}
-
 /// Per vertex the lowest vertex of its connected part.
 std::vector<int> parts(const Triangles& triangles, Eigen::Index n) {
   DisjointSets sets(static_cast<int>(n));
@@ -171,6 +153,21 @@ class AndersonAcceleration {
 };
 
 }  // namespace
+
+std::optional<std::string> DeformOptions::problem() const {
+  const auto positive = [](double value) { return value > 0 && std::isfinite(value); };
+  if (!(soft_weight >= 0) || !std::isfinite(soft_weight))
+    return concat("soft_weight must be at least 0, got ", soft_weight);
+  if (!positive(bending_length)) return concat("bending_length must be positive, got ", bending_length);
+  if (!(curvature_term >= 0 && curvature_term <= 1))
+    return concat("curvature_term must lie in [0, 1], got ", curvature_term);
+  if (!positive(detail_weight)) return concat("detail_weight must be positive, got ", detail_weight);
+  if (!(membrane_length >= 0) || !std::isfinite(membrane_length))
+    return concat("membrane_length must be at least 0, got ", membrane_length);
+  if (max_iterations < 1) return concat("max_iterations must be at least 1, got ", max_iterations);
+  if (!positive(tolerance)) return concat("tolerance must be positive, got ", tolerance);
+  return std::nullopt;
+}
 
 struct Deformer::Implementation {
   DeformOptions options;
@@ -389,7 +386,7 @@ Deformer::Deformer(const Points& positions, const Triangles& triangles, std::vec
                    const DeformOptions& options)
     : implementation_(std::make_unique<Implementation>()) {
   Implementation& self = *implementation_;
-  check_options(options);
+  if (const auto problem = options.problem()) throw InvalidInput(*problem);
   const Eigen::Index n = positions.rows();
   self.options = options;
   self.rest = positions;

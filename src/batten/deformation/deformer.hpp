@@ -1,5 +1,7 @@
 #pragma once
 #include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -53,6 +55,9 @@ struct DeformOptions {
   int max_iterations = 200;
   /// Stop when no vertex moves by more than this fraction of the bounding-box diagonal; positive. H: 1e-6.
   double tolerance = 1e-6;
+
+  /// The first problem found, naming field and value, or nothing.
+  std::optional<std::string> problem() const;
 };
 
 struct DeformReport {

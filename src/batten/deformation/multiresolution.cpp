@@ -110,16 +110,19 @@ struct MultiresolutionDeformer::Implementation {
   }
 };
 
+std::optional<std::string> MultiresolutionOptions::problem() const {
+  if (base_vertices < 50) return concat("base_vertices must be at least 50, got ", base_vertices);
+  if (fine_iterations < 1) return concat("fine_iterations must be at least 1, got ", fine_iterations);
+  return deform.problem();
+}
+
 MultiresolutionDeformer::MultiresolutionDeformer(const Points& positions, const Triangles& triangles,
                                                  std::vector<int> constrained,
                                                  const MultiresolutionOptions& options,
                                                  const Progress& progress)
     : implementation_(std::make_unique<Implementation>()) {
   Implementation& self = *implementation_;
-  if (options.base_vertices < 50)
-    throw InvalidInput(concat("base_vertices must be at least 50, got ", options.base_vertices));
-  if (options.fine_iterations < 1)
-    throw InvalidInput(concat("fine_iterations must be at least 1, got ", options.fine_iterations));
+  if (const auto problem = options.problem()) throw InvalidInput(*problem);
   self.options = options;
   self.rest = positions;
   DeformOptions fine = options.deform;

@@ -1,5 +1,7 @@
 #pragma once
 #include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "batten/deformation/deformer.hpp"
@@ -14,6 +16,9 @@ struct MultiresolutionOptions {
   Eigen::Index base_vertices = 2500;
   /// Iterations on the fine mesh after the detail is back, at least 1.
   int fine_iterations = 3;
+
+  /// The first problem found, naming field and value, or nothing.
+  std::optional<std::string> problem() const;
 };
 
 /// Deforms a mesh in two resolutions (H, part 1): a simplified base follows the handles, with all iterations

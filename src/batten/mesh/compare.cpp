@@ -64,8 +64,13 @@ DirectedComparison measure(const Shape& from, const Shape& to_shape, const Shape
 
 }  // namespace
 
+std::optional<std::string> CompareOptions::problem() const {
+  if (samples < 1) return concat("samples must be at least 1, got ", samples);
+  return std::nullopt;
+}
+
 Comparison compare(const Shape& a, const Shape& b, const CompareOptions& options, const Progress& progress) {
-  if (options.samples < 1) throw InvalidInput(concat("samples must be at least 1, got ", options.samples));
+  if (const auto problem = options.problem()) throw InvalidInput(*problem);
   Comparison comparison;
   const ShapeTree tree_b(b);
   { const ShapeTree check(a); }

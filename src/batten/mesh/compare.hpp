@@ -1,5 +1,7 @@
 #pragma once
 #include <cstdint>
+#include <optional>
+#include <string>
 
 #include <Eigen/Core>
 
@@ -21,6 +23,9 @@ struct CompareOptions {
   Eigen::Index samples = 200000;              ///< per direction, uniform by area or length
   Eigen::Index registration_samples = 20000;  ///< points that the registration matches
   std::uint64_t seed = 1;
+
+  /// The first problem found, naming field and value, or nothing.
+  std::optional<std::string> problem() const;
 };
 
 /// Distances from one shape to the other: (2.101) of H, and over either set of points (2.102-2.104).

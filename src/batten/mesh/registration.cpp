@@ -318,6 +318,12 @@ SimilarityTransform fit_transform(const Points& from, const Points& to, Registra
   return result;
 }
 
+std::optional<std::string> RegistrationOptions::problem() const {
+  if (samples < 10) return concat("samples must be at least 10, got ", samples);
+  if (!(trim >= 0 && trim <= 0.9)) return concat("trim must lie between 0 and 0.9, got ", trim);
+  return std::nullopt;
+}
+
 Registration register_shapes(const Shape& moving, const Shape& fixed, const RegistrationOptions& options,
                              const Progress& progress) {
   Registration result;
@@ -325,9 +331,7 @@ Registration register_shapes(const Shape& moving, const Shape& fixed, const Regi
     result.converged = true;
     return result;
   }
-  if (options.samples < 10) throw InvalidInput(concat("samples must be at least 10, got ", options.samples));
-  if (!(options.trim >= 0 && options.trim <= 0.9))
-    throw InvalidInput(concat("trim must lie between 0 and 0.9, got ", options.trim));
+  if (const auto problem = options.problem()) throw InvalidInput(*problem);
   if (moving.is_surface() && !fixed.is_surface()) {
     result = register_shapes(fixed, moving, options, progress);
     result.transform = result.transform.inverse();

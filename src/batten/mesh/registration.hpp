@@ -1,5 +1,7 @@
 #pragma once
 #include <cstdint>
+#include <optional>
+#include <string>
 
 #include <Eigen/Core>
 
@@ -46,6 +48,9 @@ struct RegistrationOptions {
   /// lower the mean square by less than 1e-7 of itself.
   double tolerance = 1e-10;
   double trim = 0;  ///< share of the furthest pairs that is left out, [0, 0.9]
+
+  /// The first problem found, naming field and value, or nothing.
+  std::optional<std::string> problem() const;
 };
 
 /// How a registration ended.

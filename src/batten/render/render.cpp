@@ -458,6 +458,12 @@ Shading parse_shading(std::string_view name) {
   throw InvalidInput(concat("there is no shading '", name, "'; choose from ", names));
 }
 
+std::optional<std::string> RenderOptions::problem() const {
+  if (samples < 1 || samples > 8) return concat("samples must lie between 1 and 8, got ", samples);
+  if (stripes < 1 || stripes > 1000) return concat("stripes must lie between 1 and 1000, got ", stripes);
+  return std::nullopt;
+}
+
 Image render(const Subject& subject, const RenderOptions& options, const Progress& progress) {
   const Shading shading = options.shading;
   const TriangleMesh* mesh = subject.mesh;
@@ -475,8 +481,7 @@ Image render(const Subject& subject, const RenderOptions& options, const Progres
     require(subject.errors.size() == (mesh != nullptr ? mesh->n_vertices() : network->positions.rows()),
             shading, "one error per vertex");
   }
-  if (options.stripes < 1 || options.stripes > 1000)
-    throw InvalidInput(concat("stripes must lie between 1 and 1000, got ", options.stripes));
+  if (const auto problem = options.problem()) throw InvalidInput(*problem);
 
   Image image(options.width, options.height, background(0));
   Scene scene;

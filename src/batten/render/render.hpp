@@ -61,6 +61,9 @@ struct RenderOptions {
   /// Upper end of the colour bar of errors, or of the absolute curvature, in shown units; 0 takes it from the
   /// values so that the extreme percent is cut.
   double range = 0;
+
+  /// The first problem found, naming field and value, or nothing.
+  std::optional<std::string> problem() const;
 };
 
 /// Draws one picture. Deterministic.
