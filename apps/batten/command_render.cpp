@@ -24,7 +24,7 @@ struct RenderArguments {
 
 std::vector<Shading> parse_shadings(const std::string& text) {
   std::vector<Shading> shadings;
-  for (const std::string_view name : split_fields(text, ',')) shadings.push_back(parse_shading(name));
+  for (const std::string_view name : split_fields(text, ',')) shadings.push_back(parse_choice<Shading>(name));
   return shadings;
 }
 
@@ -116,8 +116,7 @@ void add_render(CLI::App& app) {
                   "batten render surface.ply -o picture.png --shading isophotes --network net.net",
                   [arguments](Context& context) { return run_render(*arguments, context); });
   std::string names;
-  for (const Shading shading : all_shadings())
-    names += concat(names.empty() ? "" : ", ", shading_name(shading));
+  for (const std::string& word : choice_words<Shading>()) names += concat(names.empty() ? "" : ", ", word);
   command->add_option("FILE", arguments->file, "Mesh or network to draw")->required();
   command->add_option("-o,--output", arguments->output, "Picture to write (.png)")
       ->required()

@@ -36,6 +36,7 @@ TEST(Choices, AliasesAreReadAndNeverWritten) {
   EXPECT_EQ(parse_choice<Metal>("fe"), Metal::Iron);
   EXPECT_EQ(word_of(Metal::Iron), "iron");
   EXPECT_EQ(choice_words<Metal>(), (std::vector<std::string>{"copper", "iron", "white-tin"}));
+  EXPECT_EQ(choice_values<Metal>(), (std::vector<Metal>{Metal::Copper, Metal::Iron, Metal::Tin}));
 }
 
 TEST(Choices, ErrorsNameTheWordAndListTheOthers) {

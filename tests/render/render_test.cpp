@@ -182,13 +182,13 @@ TEST(Render, EveryShadingDrawsSomethingOfItsOwn) {
   Subject subject{&mesh, &network};
   subject.errors = mesh.positions.col(0).cwiseAbs();
   std::vector<Image> images;
-  for (const Shading shading : all_shadings()) {
-    EXPECT_EQ(parse_shading(shading_name(shading)), shading);
+  for (const Shading shading : choice_values<Shading>()) {
+    EXPECT_EQ(parse_choice<Shading>(word_of(shading)), shading);
     images.push_back(render(subject, small(shading)));
     for (std::size_t i = 0; i + 1 < images.size(); ++i)
-      EXPECT_NE(images[i].pixels, images.back().pixels) << shading_name(shading);
+      EXPECT_NE(images[i].pixels, images.back().pixels) << word_of(shading);
   }
-  const Image sheet = contact_sheet(subject, all_shadings(), small(Shading::Shaded));
+  const Image sheet = contact_sheet(subject, choice_values<Shading>(), small(Shading::Shaded));
   EXPECT_EQ(sheet.width, 200);
   EXPECT_EQ(sheet.height, 160);
 }
@@ -221,7 +221,7 @@ TEST(Render, SaysWhatAShadingLacks) {
   CurveNetwork astray = network;
   astray.curves[0].vertices[3] = -1;
   EXPECT_THROW(render({nullptr, &astray}, {}), InvalidInput);
-  EXPECT_THROW(parse_shading("shiny"), InvalidInput);
+  EXPECT_THROW(parse_choice<Shading>("shiny"), InvalidInput);
 }
 
 // All errors zero, one triangle without area, all points in one: drawn without a fuss.
@@ -231,7 +231,7 @@ TEST(Render, SurvivesDegenerateSubjects) {
   subject.errors = Eigen::VectorXd::Zero(mesh.n_vertices());
   render(subject, small(Shading::Error));
   mesh.positions.setZero();
-  for (const Shading shading : all_shadings()) {
+  for (const Shading shading : choice_values<Shading>()) {
     if (shading == Shading::Porcupine) continue;
     render(subject, small(shading));
   }

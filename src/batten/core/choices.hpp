@@ -76,6 +76,16 @@ std::vector<std::string> choice_words() {
   return words;
 }
 
+/// All values that have a word, in the order of the table.
+template <typename Enum>
+std::vector<Enum> choice_values() {
+  constexpr auto table = choices_of(Enum{});
+  std::vector<Enum> values;
+  for (std::size_t i = 0; i < table.entries.size(); ++i)
+    if (!table.is_alias(i)) values.push_back(table.entries[i].value);
+  return values;
+}
+
 /// The value that a word or alias stands for.
 /// @throws InvalidInput "'x' is no KIND; choose one of A, B, C".
 template <typename Enum>

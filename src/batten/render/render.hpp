@@ -1,11 +1,11 @@
 #pragma once
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "batten/core/choices.hpp"
 #include "batten/core/progress.hpp"
 #include "batten/mesh/triangle_mesh.hpp"
 #include "batten/network/curve_network.hpp"
@@ -28,12 +28,18 @@ enum class Shading {
   Error,              ///< distance to a truth, given per vertex
 };
 
-/// `shaded`, `wireframe`, `isophotes`, `reflection-lines`, `normal-map`, `mean-curvature`,
-/// `gaussian-curvature`, `gauss-map`, `porcupine`, `error`.
-std::string_view shading_name(Shading shading);
-/// @throws InvalidInput listing the names.
-Shading parse_shading(std::string_view name);
-const std::vector<Shading>& all_shadings();
+constexpr auto choices_of(Shading) {
+  return choices<Shading>("shading", {{Shading::Shaded, "shaded"},
+                                      {Shading::Wireframe, "wireframe"},
+                                      {Shading::Isophotes, "isophotes"},
+                                      {Shading::ReflectionLines, "reflection-lines"},
+                                      {Shading::NormalMap, "normal-map"},
+                                      {Shading::MeanCurvature, "mean-curvature"},
+                                      {Shading::GaussianCurvature, "gaussian-curvature"},
+                                      {Shading::GaussMap, "gauss-map"},
+                                      {Shading::Porcupine, "porcupine"},
+                                      {Shading::Error, "error"}});
+}
 
 /// What is drawn. A mesh, a network, or a network upon a mesh.
 struct Subject {
