@@ -13,12 +13,17 @@ Box box_of(const Points& points, Eigen::Index first, Eigen::Index last) {
 
 }  // namespace
 
+std::vector<double> arc_lengths(const Points& points) {
+  std::vector<double> arcs(static_cast<size_t>(points.rows()), 0);
+  for (Eigen::Index i = 1; i < points.rows(); ++i)
+    arcs[static_cast<size_t>(i)] =
+        arcs[static_cast<size_t>(i) - 1] + (points.row(i) - points.row(i - 1)).norm();
+  return arcs;
+}
+
 Polyline::Polyline(Points points) : points_(std::move(points)) {
   const Eigen::Index n = points_.rows();
-  arcs_.resize(static_cast<size_t>(n), 0);
-  for (Eigen::Index i = 1; i < n; ++i)
-    arcs_[static_cast<size_t>(i)] =
-        arcs_[static_cast<size_t>(i) - 1] + (points_.row(i) - points_.row(i - 1)).norm();
+  arcs_ = arc_lengths(points_);
   box_ = box_of(points_, 0, n - 1);
   for (Eigen::Index first = 0; first < n - 1; first += kBlock)
     blocks_.push_back(box_of(points_, first, std::min(first + kBlock, n - 1)));

@@ -9,6 +9,9 @@
 
 namespace batten {
 
+/// Arc length from the first point to each, in the unit of the points.
+std::vector<double> arc_lengths(const Points& points);
+
 /// A polyline of two or more points that never changes, with its arc lengths and boxes for quick searches.
 /// Handed about by shared pointer, so that a copy of a model and the history of its edits share it.
 class Polyline {

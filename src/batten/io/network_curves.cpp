@@ -4,6 +4,7 @@
 
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
+#include "batten/curves/bspline.hpp"
 #include "batten/io/mesh_formats_detail.hpp"
 #include "batten/io/network_formats_detail.hpp"
 #include "batten/mesh/triangle_mesh.hpp"
@@ -56,25 +57,6 @@ Points to_points(const std::vector<Eigen::RowVector3d>& rows) {
   for (size_t i = 0; i < rows.size(); ++i) points.row(static_cast<Eigen::Index>(i)) = rows[i];
   return points;
 }
-
-struct BSpline {
-  size_t degree = 0;
-  std::vector<double> knots;
-  std::vector<Eigen::RowVector3d> points;
-
-  /// De Boor's algorithm in the knot span `span`. @pre knots[span] <= u <= knots[span + 1].
-  Eigen::RowVector3d at(double u, size_t span) const {
-    std::vector<Eigen::RowVector3d> d(points.begin() + static_cast<std::ptrdiff_t>(span - degree),
-                                      points.begin() + static_cast<std::ptrdiff_t>(span + 1));
-    for (size_t r = 1; r <= degree; ++r)
-      for (size_t j = degree; j >= r; --j) {
-        const double low = knots[span - degree + j], high = knots[span + 1 + j - r];
-        const double alpha = high > low ? (u - low) / (high - low) : 0;
-        d[j] = (1 - alpha) * d[j - 1] + alpha * d[j];
-      }
-    return d[degree];
-  }
-};
 
 }  // namespace
 
@@ -129,7 +111,7 @@ RawNetwork parse_bsplines(std::string content, const std::string& path) {
   std::vector<long> lines;
   const long n_curves = in.integer("the number of curves", 1, kMostNumbers);
   for (long c = 0; c < n_curves; ++c) {
-    BSpline spline;
+    BSplineCurve spline;
     spline.degree = static_cast<size_t>(in.integer(concat("the degree of curve ", c), 1, 20));
     const long n_knots = in.integer(concat("the number of knots of curve ", c), 4, kMostNumbers);
     for (long k = 0; k < n_knots; ++k) {

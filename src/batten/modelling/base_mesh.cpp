@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "batten/core/error.hpp"
+#include "batten/core/index.hpp"
 #include "batten/modelling/coons.hpp"
 
 namespace batten {
@@ -18,10 +19,6 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr int kPointsOfTie = 32;  ///< segments of its polyline
-
-size_t at(int i) {
-  return static_cast<size_t>(i);
-}
 
 SharedPolyline along(const PolylineMesh& mesh, int side) {
   const SharedPolyline& polyline = mesh.edge(edge_of(side)).polyline;

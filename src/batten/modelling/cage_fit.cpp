@@ -1,6 +1,7 @@
 #include <Eigen/IterativeLinearSolvers>
 
 #include "batten/core/error.hpp"
+#include "batten/core/index.hpp"
 #include "batten/linalg/sparse_cholesky.hpp"
 #include "batten/modelling/cage_fit_detail.hpp"
 #include "batten/subdivision/limit_stencils.hpp"
@@ -15,10 +16,6 @@ using Eigen::Index;
 /// them by a hundredth of a percent of the size on a sphere of 16 n quads, and does not wrinkle beside
 /// concave corners.
 constexpr double kEvenness = 1;
-
-size_t at(int i) {
-  return static_cast<size_t>(i);
-}
 
 /// Rows of μ U U for the vertices that are not exact, with U the umbrella: how uneven the difference of cage
 /// and target is. Sharp edges have none, as the differences on their sides have nothing in common, and

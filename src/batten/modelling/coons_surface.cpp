@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "batten/core/error.hpp"
+#include "batten/core/index.hpp"
 #include "batten/core/text.hpp"
 #include "batten/modelling/cage_fit_detail.hpp"
 #include "batten/modelling/coons.hpp"
@@ -23,10 +24,6 @@ using Eigen::Vector3d;
 constexpr double kMostQuads = 2e6;
 /// Points on each edge of the refined mesh for the polylines that the schemes follow.
 constexpr int kPointsOfEdge = 4;
-
-size_t at(int i) {
-  return static_cast<size_t>(i);
-}
 
 bool follows_polylines(FinalScheme scheme) {
   return scheme != FinalScheme::CatmullClark;

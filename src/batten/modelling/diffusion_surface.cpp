@@ -10,6 +10,7 @@
 #include <Eigen/Geometry>
 
 #include "batten/core/error.hpp"
+#include "batten/core/index.hpp"
 #include "batten/core/text.hpp"
 #include "batten/mesh/box_tree.hpp"
 #include "batten/mesh/self_intersections.hpp"
@@ -26,10 +27,6 @@ namespace {
 
 using Eigen::Index;
 using Eigen::Vector3d;
-
-size_t at(int i) {
-  return static_cast<size_t>(i);
-}
 
 /// Rings of faces around the touched ones that the flow moves at once; more follow where the change goes on.
 constexpr int kFirstRings = 1;

@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 
+#include "batten/core/index.hpp"
 #include "batten/core/units.hpp"
 #include "batten/modelling/face_parts_detail.hpp"
 
@@ -22,10 +23,6 @@ constexpr int kMostParts = 16;
 constexpr double kLongFace = 2;
 /// A face asks its neighbours for other numbers of parts so many times at most.
 constexpr int kMostTurns = 8;
-
-size_t at(int i) {
-  return static_cast<size_t>(i);
-}
 
 class Planner {
  public:

@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 
+#include "batten/core/index.hpp"
 #include "batten/core/units.hpp"
 #include "batten/linalg/sparse_cholesky.hpp"
 #include "batten/mesh/predicates.hpp"
@@ -32,10 +33,6 @@ constexpr double kLeastLength = 0.6;
 /// A vertex so near to the wanted direction of a cut will do.
 constexpr double kNearCut = 0.14 * kPi;
 constexpr double kWhole = std::numeric_limits<double>::infinity();
-
-size_t at(int i) {
-  return static_cast<size_t>(i);
-}
 
 double cross(const Vector2d& a, const Vector2d& b) {
   return a.x() * b.y() - a.y() * b.x();

@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 
+#include "batten/core/index.hpp"
 #include "batten/core/units.hpp"
 #include "batten/mesh/adjacency.hpp"
 #include "batten/operators/laplacian.hpp"
@@ -26,10 +27,6 @@ constexpr double kClearlyLess = 0.75, kMuchMore = 2;
 constexpr double kSharpBend = kPi / 4;
 /// Plates are made so many times at most while more and more Coons patches turn out to be better.
 constexpr int kMostTrials = 5;
-
-size_t at(Index i) {
-  return static_cast<size_t>(i);
-}
 
 /// The vertices that start_flow() places.
 std::vector<char> fresh_vertices(const FlowMesh& mesh) {

@@ -10,6 +10,8 @@
 
 #include <Eigen/Geometry>
 
+#include "batten/core/disjoint_sets.hpp"
+#include "batten/core/index.hpp"
 #include "batten/core/text.hpp"
 #include "batten/mesh/quality.hpp"
 
@@ -20,10 +22,6 @@ namespace {
 using Eigen::Index;
 using Eigen::Vector3d;
 
-size_t at(int i) {
-  return static_cast<size_t>(i);
-}
-
 std::pair<int, int> ordered(int a, int b) {
   return std::minmax({a, b});
 }
@@ -31,12 +29,12 @@ std::pair<int, int> ordered(int a, int b) {
 /// The corners of quads around each vertex, in parts between which there are only sharp edges.
 class Sides {
  public:
-  explicit Sides(const ControlCage& cage) : mesh_(cage.mesh), part_(cage.mesh.corners.size()) {
+  explicit Sides(const ControlCage& cage)
+      : mesh_(cage.mesh), parts_(static_cast<int>(cage.mesh.corners.size())) {
     std::set<std::pair<int, int>> sharp;
     for (const SharpEdge& edge : cage.sharp_edges) sharp.insert(ordered(edge.from, edge.to));
-    std::iota(part_.begin(), part_.end(), 0);
     std::map<std::pair<int, int>, size_t> met;  // by edge, the corner from which the first quad walks it
-    for (size_t c = 0; c < part_.size(); ++c) {
+    for (size_t c = 0; c < mesh_.corners.size(); ++c) {
       const size_t next = c / 4 * 4 + (c + 1) % 4;
       const auto [found, is_new] = met.insert({ordered(mesh_.corners[c], mesh_.corners[next]), c});
       if (is_new || sharp.count(found->first)) continue;
@@ -47,22 +45,13 @@ class Sides {
   }
 
   /// A number for the part in which a corner lies: that of its first corner.
-  int part(size_t corner) {
-    while (part_[corner] != static_cast<int>(corner)) {
-      part_[corner] = part_[at(part_[corner])];
-      corner = at(part_[corner]);
-    }
-    return static_cast<int>(corner);
-  }
+  int part(size_t corner) { return parts_.root(static_cast<int>(corner)); }
 
  private:
-  void join(size_t a, size_t b) {
-    const auto [low, high] = std::minmax({part(a), part(b)});
-    part_[at(high)] = low;
-  }
+  void join(size_t a, size_t b) { parts_.unite(static_cast<int>(a), static_cast<int>(b)); }
 
   const PolygonMesh& mesh_;
-  std::vector<int> part_;
+  DisjointSets parts_;
 };
 
 /// Unit normals of parts around vertices: means of the corner normals, weighted by their angles, so that

@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 
 #include "batten/core/error.hpp"
+#include "batten/core/index.hpp"
 #include "batten/core/text.hpp"
 #include "batten/mesh/self_intersections.hpp"
 #include "batten/modelling/face_split_detail.hpp"
@@ -19,10 +20,6 @@ using Eigen::Vector3d;
 /// Share of the size by which drawn curves may move. With fidelity 0, the default, they do not move at all;
 /// with 1 they move by per mille.
 constexpr double kFarthestFromCurves = 0.05;
-
-size_t at(int i) {
-  return static_cast<size_t>(i);
-}
 
 }  // namespace
 

@@ -13,6 +13,7 @@
 #include <Eigen/Geometry>
 
 #include "batten/core/error.hpp"
+#include "batten/core/index.hpp"
 #include "batten/core/units.hpp"
 #include "batten/modelling/coons.hpp"
 
@@ -33,10 +34,6 @@ constexpr double kBarelyShown =
     0.7;                             ///< of its length: a piece of the outline of half a tube, flaring or not
 constexpr double kLeastSine = 0.02;  ///< of the angle at which a diagonal leaves the border
 constexpr int kPointsOfDiagonal = 32;  ///< segments of its polyline
-
-size_t at(int i) {
-  return static_cast<size_t>(i);
-}
 
 bool is_less(const SplitCost& a, const SplitCost& b) {
   return a.flaws != b.flaws ? a.flaws < b.flaws : a.angle() < b.angle() - 1e-9;

@@ -2,8 +2,8 @@
 #include <optional>
 #include <vector>
 
-#include "batten/modelling/coons.hpp"
 #include "batten/curves/polyline.hpp"
+#include "batten/modelling/coons.hpp"
 
 namespace batten {
 

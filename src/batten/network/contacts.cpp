@@ -2,10 +2,11 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <numeric>
 #include <tuple>
 #include <unordered_map>
 
+#include "batten/core/disjoint_sets.hpp"
+#include "batten/core/index.hpp"
 #include "batten/mesh/distance.hpp"
 #include "batten/mesh/triangle_mesh.hpp"
 #include "batten/network/contacts.hpp"
@@ -15,10 +16,6 @@ namespace batten::detail {
 namespace {
 
 using Vector = Eigen::Vector3d;
-
-size_t at(int i) {
-  return static_cast<size_t>(i);
-}
 
 /// The closest points of two segments (Ericson 2005, Real-time collision detection, 5.1.9): fractions s, t.
 double segment_distance(const Vector& p, const Vector& p_end, const Vector& q, const Vector& q_end, double& s,
@@ -36,11 +33,6 @@ double segment_distance(const Vector& p, const Vector& p_end, const Vector& q, c
     s = a > 0 ? std::clamp((b - c) / a, 0.0, 1.0) : 0.0;
   }
   return (p + s * u - q - t * v).norm();
-}
-
-int root_of(std::vector<int>& parent, int i) {
-  while (parent[at(i)] != i) i = parent[at(i)] = parent[at(parent[at(i)])];
-  return i;
 }
 
 }  // namespace
@@ -134,8 +126,7 @@ std::vector<Contact> CurveIndex::contacts() const {
               [](const Pair& x, const Pair& y) { return x.f < y.f; });
   }
   // Pairs that continue each other along both curves are one contact.
-  std::vector<int> parent(pairs.size());
-  std::iota(parent.begin(), parent.end(), 0);
+  DisjointSets sets(static_cast<int>(pairs.size()));
   std::unordered_map<long long, int> number;
   const auto key = [&](int e, int f) {
     return static_cast<long long>(std::min(e, f)) * static_cast<long long>(edges_.size()) + std::max(e, f);
@@ -155,8 +146,7 @@ std::vector<Contact> CurveIndex::contacts() const {
       for (const int f : around(pairs[p].f)) {
         const auto found = number.find(key(e, f));
         if (e == f || found == number.end()) continue;
-        const int a = root_of(parent, static_cast<int>(p)), b = root_of(parent, found->second);
-        parent[at(std::max(a, b))] = std::min(a, b);
+        sets.unite(static_cast<int>(p), found->second);
       }
   struct Group {
     int best = -1;
@@ -165,7 +155,7 @@ std::vector<Contact> CurveIndex::contacts() const {
   };
   std::map<int, Group> groups;
   for (size_t p = 0; p < pairs.size(); ++p) {
-    Group& group = groups[root_of(parent, static_cast<int>(p))];
+    Group& group = groups[sets.root(static_cast<int>(p))];
     group.share = group.share || pairs[p].share;
     if (pairs[p].distance <= tolerance_) group.edges.push_back(pairs[p].e);
     if (!pairs[p].share && (group.best < 0 || pairs[p].distance < pairs[at(group.best)].distance))

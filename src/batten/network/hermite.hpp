@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 
 #include "batten/core/arrays.hpp"
+#include "batten/curves/hermite_cubic.hpp"
 #include "batten/network/curve_network.hpp"
 
 namespace batten {
@@ -44,10 +45,10 @@ struct HermiteSegment {
   Eigen::Vector3d position(double parameter) const;
   Eigen::Vector3d derivative(double parameter) const;
   Eigen::Vector3d second_derivative(double parameter) const;
-  /// Length of the whole, by Gauss quadrature on every piece.
+  /// Arc length of the whole, by Gauss's rule on every piece.
   double length() const;
-  /// Length of piece i (between knots i and i + 1).
-  double piece_length(Eigen::Index i) const;
+  /// The piece between knots i and i + 1.
+  HermiteCubic piece(Eigen::Index i) const;
 };
 
 /// A network of splines that meet with a common tangent plane at every node.

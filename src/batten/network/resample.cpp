@@ -7,6 +7,7 @@
 
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
+#include "batten/curves/hermite_cubic.hpp"
 
 namespace batten {
 
@@ -42,10 +43,8 @@ class NormalInterpolant {
         std::upper_bound(knots_.data(), knots_.data() + n, parameter) - knots_.data() - 1, 0, n - 2);
     const double h = knots_(i + 1) - knots_(i), t = (parameter - knots_(i)) / h;
     if (normals_.row(i).dot(normals_.row(i + 1)) <= 0) return normals_.row(t < 0.5 ? i : i + 1);
-    const double t2 = t * t, t3 = t2 * t;
-    const Vector cubic = (2 * t3 - 3 * t2 + 1) * normals_.row(i) + h * (t3 - 2 * t2 + t) * slopes_.row(i) +
-                         (3 * t2 - 2 * t3) * normals_.row(i + 1) + h * (t3 - t2) * slopes_.row(i + 1);
-    return cubic.normalized();
+    const HermiteCubic cubic{h, normals_.row(i), normals_.row(i + 1), slopes_.row(i), slopes_.row(i + 1)};
+    return cubic.at(t).transpose().normalized();
   }
 
  private:
@@ -55,15 +54,12 @@ class NormalInterpolant {
 
 /// The parameter at which a piece has the length `wanted`, by Newton's method kept inside a bracket.
 double parameter_at_length(const HermiteSegment& segment, Eigen::Index piece, double wanted, double whole) {
-  HermiteSegment part;  // the piece up to a parameter, as a cubic of its own
   const double begin = segment.knots(piece), end = segment.knots(piece + 1);
-  const auto length_to = [&](double parameter) {
-    part.knots = Eigen::Vector2d(0, parameter - begin);
-    part.points.resize(2, 3);
-    part.tangents.resize(2, 3);
-    part.points << segment.points.row(piece), segment.position(parameter).transpose();
-    part.tangents << segment.tangents.row(piece), segment.derivative(parameter).transpose();
-    return part.piece_length(0);
+  const HermiteCubic whole_piece = segment.piece(piece);
+  const auto length_to = [&](double parameter) {  // of the piece up to a parameter, a cubic of its own
+    return HermiteCubic{parameter - begin, whole_piece.begin, segment.position(parameter),
+                        whole_piece.begin_slope, segment.derivative(parameter)}
+        .length();
   };
   double low = begin, high = end, parameter = begin + (end - begin) * wanted / whole;
   for (int i = 0; i < 50; ++i) {
@@ -121,14 +117,14 @@ CurveNetwork resampled(const CurveNetwork& network, double step, const HermiteOp
     const bool loop = segment.vertices.front() == segment.vertices.back();
     const auto n = std::max<Eigen::Index>(loop ? 3 : 1, std::llround(lengths[s] / step));
     Eigen::Index piece = 0;
-    double before = 0, piece_length = segment.piece_length(0);
+    double before = 0, piece_length = segment.piece(0).length();
     std::vector<NormalInterpolant> interpolant;
     if (has_normals) interpolant.emplace_back(network, segment);
     for (Eigen::Index k = 1; k < n; ++k) {
       const double wanted = lengths[s] * static_cast<double>(k) / static_cast<double>(n);
       while (before + piece_length < wanted && piece + 2 < segment.knots.size()) {
         before += piece_length;
-        piece_length = segment.piece_length(++piece);
+        piece_length = segment.piece(++piece).length();
       }
       const double parameter = parameter_at_length(segment, piece, wanted - before, piece_length);
       vertices.push_back(static_cast<int>(positions.size()));

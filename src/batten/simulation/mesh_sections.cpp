@@ -6,17 +6,18 @@
 #include <cstdint>
 #include <map>
 #include <numeric>
+#include <optional>
 #include <set>
 #include <unordered_map>
 #include <utility>
 
 #include <Eigen/Geometry>
-#include <Eigen/SparseCore>
-#include <Eigen/SparseLU>
 
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
 #include "batten/core/units.hpp"
+#include "batten/curves/cubic_spline.hpp"
+#include "batten/curves/polyline.hpp"
 #include "batten/mesh/normals.hpp"
 #include "batten/rotation/so3.hpp"
 
@@ -37,121 +38,68 @@ constexpr double kShortestCurve = 0.02;
 class SplineCurve : public ArcLengthCurve {
  public:
   /// @param knots points in order; of a closed curve without the first repeated at the end.
-  SplineCurve(std::vector<Vector3d> knots, bool closed) : closed_(closed), points_(std::move(knots)) {
-    if (closed_) points_.push_back(points_.front());
-    parameters_.push_back(0);
-    for (size_t i = 0; i + 1 < points_.size(); ++i)
-      parameters_.push_back(parameters_.back() + (points_[i + 1] - points_[i]).norm());
-    bends_ = second_derivatives(points_);
+  SplineCurve(std::vector<Vector3d> knots, bool closed)
+      : closed_(closed), spline_(through(std::move(knots), closed)) {
     distances_.push_back(0);
-    for (size_t i = 0; i + 1 < points_.size(); ++i)
-      distances_.push_back(distances_.back() + partial_length(i, 1));
+    for (Eigen::Index i = 0; i < spline_.n_pieces(); ++i)
+      distances_.push_back(distances_.back() + spline_.length(i));
   }
 
   /// Normals at the knots, as many as `knots` (of a closed curve the first serves at the end too).
   void set_normals(std::vector<Vector3d> normals) {
-    normals_ = std::move(normals);
-    if (closed_) normals_.push_back(normals_.front());
-    normal_bends_ = second_derivatives(normals_);
+    if (closed_) normals.push_back(normals.front());
+    normals_.emplace(spline_.knots(), rows(normals), closed_);
   }
 
   bool closed() const { return closed_; }
   double length() const override { return distances_.back(); }
   double distance_of_knot(size_t i) const { return distances_[i]; }
-  size_t n_knots() const { return closed_ ? points_.size() - 1 : points_.size(); }
+  size_t n_knots() const { return closed_ ? distances_.size() - 1 : distances_.size(); }
 
   Vector3d tangent_at_knot(size_t i) const {
-    return i + 1 < points_.size() ? derivative(points_, bends_, i, 0).normalized()
-                                  : derivative(points_, bends_, i - 1, 1).normalized();
+    const auto piece = static_cast<Eigen::Index>(i);
+    return piece < spline_.n_pieces() ? spline_.derivative(piece, 0).normalized()
+                                      : spline_.derivative(piece - 1, 1).normalized();
   }
 
   CurvePoint at(double distance) const override {
     const double s = std::clamp(distance, 0.0, length());
     const auto after = std::upper_bound(distances_.begin() + 1, distances_.end() - 1, s);
-    const auto i = static_cast<size_t>(after - distances_.begin()) - 1;
-    const double target = s - distances_[i];
-    double w = target / (distances_[i + 1] - distances_[i]);
+    const auto knot = static_cast<size_t>(after - distances_.begin()) - 1;
+    const auto piece = static_cast<Eigen::Index>(knot);
+    const double target = s - distances_[knot];
+    double t = target / (distances_[knot + 1] - distances_[knot]);
     for (int iteration = 0; iteration < 20; ++iteration) {
-      const double error = partial_length(i, w) - target;
+      const double error = spline_.length(piece, t) - target;
       if (std::abs(error) <= 1e-14 * length()) break;
-      w = std::clamp(w - error / speed(i, w), 0.0, 1.0);
+      t = std::clamp(t - error / spline_.speed(piece, t), 0.0, 1.0);
     }
     CurvePoint point;
-    point.position = value(points_, bends_, i, w);
-    point.tangent = derivative(points_, bends_, i, w).normalized();
-    const Vector3d normal = value(normals_, normal_bends_, i, w);
+    point.position = spline_.at(piece, t);
+    point.tangent = spline_.derivative(piece, t).normalized();
+    const Vector3d normal = normals_->at(piece, t);
     point.normal = (normal - normal.dot(point.tangent) * point.tangent).normalized();
     return point;
   }
 
  private:
-  double gap(size_t i) const { return parameters_[i + 1] - parameters_[i]; }
-
-  /// Natural ends, or the period of a closed curve.
-  std::vector<Vector3d> second_derivatives(const std::vector<Vector3d>& values) const {
-    const size_t last = values.size() - 1;
-    const size_t n = closed_ ? last : values.size();
-    std::vector<Eigen::Triplet<double>> entries;
-    Eigen::MatrixXd right = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(n), 3);
-    for (size_t i = 0; i < n; ++i) {
-      const auto row = static_cast<int>(i);
-      if (!closed_ && (i == 0 || i == last)) {
-        entries.emplace_back(row, row, 1);
-        continue;
-      }
-      const size_t before = i == 0 ? last - 1 : i - 1;
-      const double h0 = gap(before);
-      const double h1 = gap(i);
-      entries.emplace_back(row, static_cast<int>(before), h0 / 6);
-      entries.emplace_back(row, row, (h0 + h1) / 3);
-      entries.emplace_back(row, static_cast<int>((i + 1) % n), h1 / 6);
-      right.row(row) = ((values[i + 1] - values[i]) / h1 - (values[i] - values[before]) / h0).transpose();
-    }
-    Eigen::SparseMatrix<double> matrix(static_cast<Eigen::Index>(n), static_cast<Eigen::Index>(n));
-    matrix.setFromTriplets(entries.begin(), entries.end());
-    // Diagonally dominant: never singular.
-    const Eigen::SparseLU<Eigen::SparseMatrix<double>> solver(matrix);
-    const Eigen::MatrixXd solution = solver.solve(right);
-    std::vector<Vector3d> result;
-    for (Eigen::Index i = 0; i < solution.rows(); ++i) result.emplace_back(solution.row(i));
-    if (closed_) result.push_back(result.front());
-    return result;
+  static Points rows(const std::vector<Vector3d>& vectors) {
+    Points points(static_cast<Eigen::Index>(vectors.size()), 3);
+    for (size_t i = 0; i < vectors.size(); ++i)
+      points.row(static_cast<Eigen::Index>(i)) = vectors[i].transpose();
+    return points;
   }
-
-  Vector3d value(const std::vector<Vector3d>& values, const std::vector<Vector3d>& bends, size_t i,
-                 double w) const {
-    const double h = gap(i);
-    const double v = 1 - w;
-    return v * values[i] + w * values[i + 1] +
-           h * h / 6 * ((v * v * v - v) * bends[i] + (w * w * w - w) * bends[i + 1]);
-  }
-
-  /// By the parameter, not by w.
-  Vector3d derivative(const std::vector<Vector3d>& values, const std::vector<Vector3d>& bends, size_t i,
-                      double w) const {
-    const double h = gap(i);
-    const double v = 1 - w;
-    return (values[i + 1] - values[i]) / h +
-           h / 6 * ((1 - 3 * v * v) * bends[i] + (3 * w * w - 1) * bends[i + 1]);
-  }
-
-  double speed(size_t i, double w) const { return derivative(points_, bends_, i, w).norm() * gap(i); }
-
-  double partial_length(size_t i, double w) const {
-    // Gauss–Legendre, five points on two halves: the speed of a cubic is the root of a quartic.
-    constexpr std::array<double, 5> kNodes = {0.046910077030668004, 0.23076534494715845, 0.5,
-                                              0.76923465505284155, 0.953089922969332};
-    constexpr std::array<double, 5> kWeights = {0.11846344252809454, 0.23931433524968324, 0.28444444444444444,
-                                                0.23931433524968324, 0.11846344252809454};
-    double sum = 0;
-    for (size_t k = 0; k < kNodes.size(); ++k)
-      sum += kWeights[k] * (speed(i, w * kNodes[k] / 2) + speed(i, w * (1 + kNodes[k]) / 2));
-    return w * sum / 2;
+  static CubicSpline through(std::vector<Vector3d> knots, bool closed) {
+    if (closed) knots.push_back(knots.front());
+    Points points = rows(knots);
+    std::vector<double> arcs = arc_lengths(points);
+    return {std::move(arcs), std::move(points), closed};
   }
 
   bool closed_;
-  std::vector<Vector3d> points_, bends_, normals_, normal_bends_;
-  std::vector<double> parameters_, distances_;
+  CubicSpline spline_;
+  std::optional<CubicSpline> normals_;
+  std::vector<double> distances_;
 };
 
 // --- Sections ----------------------------------------------------------------------------------------------
@@ -170,7 +118,7 @@ struct EdgeHash {
 };
 
 /// A polyline on the mesh.
-struct Polyline {
+struct MeshPolyline {
   std::string name;
   bool boundary = false;
   bool closed = false;
@@ -257,16 +205,16 @@ class Slicer {
   Slicer(const TriangleMesh& mesh, const Points& normals, const Topology& topology)
       : mesh_(mesh), normals_(normals), topology_(topology) {}
 
-  std::vector<Polyline> slice(int axis, double offset) const {
+  std::vector<MeshPolyline> slice(int axis, double offset) const {
     const Eigen::VectorXd height = mesh_.positions.col(axis).array() - offset;
     std::vector<char> visited(static_cast<size_t>(mesh_.n_triangles()), 0);
-    std::vector<Polyline> lines;
+    std::vector<MeshPolyline> lines;
     for (int f = 0; f < static_cast<int>(mesh_.n_triangles()); ++f) {
       if (visited[static_cast<size_t>(f)] != 0) continue;
       Edge in;
       Edge out;
       if (!cut_edges(f, height, in, out)) continue;
-      Polyline line;
+      MeshPolyline line;
       line.axis = axis;
       line.offset = offset;
       // Back to a border first, or once around.
@@ -327,7 +275,7 @@ class Slicer {
     return found == 2;
   }
 
-  void add_point(Polyline& line, const Edge& edge, const Eigen::VectorXd& height) const {
+  void add_point(MeshPolyline& line, const Edge& edge, const Eigen::VectorXd& height) const {
     const double w = height[edge.first] / (height[edge.first] - height[edge.second]);
     line.points.emplace_back((1 - w) * mesh_.positions.row(edge.first) +
                              w * mesh_.positions.row(edge.second));
@@ -367,7 +315,7 @@ struct Crossing {
 /// The points where polylines cross.
 class CrossingFinder {
  public:
-  explicit CrossingFinder(const std::vector<Polyline>& lines) : stations(lines.size()), lines_(lines) {
+  explicit CrossingFinder(const std::vector<MeshPolyline>& lines) : stations(lines.size()), lines_(lines) {
     find_between_sections();
     find_at_borders();
     for (auto& list : stations)
@@ -395,8 +343,8 @@ class CrossingFinder {
         auto& here = pieces_of_face[lines_[a].faces[k]];
         for (const auto& [b, m] : here) {
           if (lines_[b].axis == lines_[a].axis) continue;
-          const Polyline& one = lines_[a];
-          const Polyline& two = lines_[b];
+          const MeshPolyline& one = lines_[a];
+          const MeshPolyline& two = lines_[b];
           // Heights of the first piece's ends over the second's plane, and the other way round.
           const double h0 = one.points[k][two.axis] - two.offset;
           const double h1 = one.next(k)[two.axis] - two.offset;
@@ -418,13 +366,13 @@ class CrossingFinder {
       if (lines_[b].boundary)
         for (size_t k = 0; k < lines_[b].edges.size(); ++k) border_edges[lines_[b].edges[k]] = {b, k};
     for (size_t a = 0; a < lines_.size(); ++a) {
-      const Polyline& line = lines_[a];
+      const MeshPolyline& line = lines_[a];
       if (line.boundary || line.closed) continue;
       for (const size_t end : {size_t{0}, line.points.size() - 1}) {
         const auto place = border_edges.find(line.edges[end]);
         if (place == border_edges.end()) continue;
         const auto [b, k] = place->second;
-        const Polyline& border = lines_[b];
+        const MeshPolyline& border = lines_[b];
         const double u =
             (line.points[end] - border.points[k]).norm() / (border.next(k) - border.points[k]).norm();
         const Station on_line = end == 0 ? Station{0, 0, 0} : Station{line.n_pieces() - 1, 1, 0};
@@ -433,7 +381,7 @@ class CrossingFinder {
     }
   }
 
-  const std::vector<Polyline>& lines_;
+  const std::vector<MeshPolyline>& lines_;
 };
 
 /// Points of a polyline at even distances between its crossings, which are all among them.
@@ -442,7 +390,7 @@ struct Knots {
   std::vector<int> nodes;  // −1 away from crossings
 };
 
-Knots place_knots(const Polyline& line, const std::vector<Station>& stations,
+Knots place_knots(const MeshPolyline& line, const std::vector<Station>& stations,
                   const std::vector<Crossing>& crossings, double spacing) {
   std::vector<double> starts = {0};  // of the pieces
   for (size_t k = 0; k < line.n_pieces(); ++k)
@@ -553,7 +501,7 @@ void set_consistent_normals(std::vector<std::shared_ptr<SplineCurve>>& splines, 
 }
 
 /// Keeps the polylines that hang together with the longest part.
-void keep_connected(std::vector<Polyline>& lines, std::vector<std::string>& warnings) {
+void keep_connected(std::vector<MeshPolyline>& lines, std::vector<std::string>& warnings) {
   const CrossingFinder found(lines);
   std::vector<size_t> root(lines.size());
   std::iota(root.begin(), root.end(), size_t{0});
@@ -574,7 +522,7 @@ void keep_connected(std::vector<Polyline>& lines, std::vector<std::string>& warn
   for (size_t c = 0; c < lines.size(); ++c) lengths[find(c)] += lines[c].length();
   const auto longest = std::max_element(lengths.begin(), lengths.end(),
                                         [](const auto& a, const auto& b) { return a.second < b.second; });
-  std::vector<Polyline> kept;
+  std::vector<MeshPolyline> kept;
   size_t borders = 0;
   for (size_t c = 0; c < lines.size(); ++c) {
     if (find(c) == longest->first)
@@ -610,10 +558,10 @@ TracedNetwork trace_mesh(const TriangleMesh& mesh, const MeshSectionOptions& opt
   TracedNetwork traced;
   traced.diameter = diameter;
 
-  std::vector<Polyline> lines;
+  std::vector<MeshPolyline> lines;
   const std::vector<std::vector<int>> loops = topology.border_loops();
   for (size_t b = 0; b < loops.size(); ++b) {
-    Polyline line;
+    MeshPolyline line;
     line.name = loops.size() == 1 ? std::string("border") : concat("border ", b + 1);
     line.boundary = line.closed = true;
     for (size_t k = 0; k < loops[b].size(); ++k) {
@@ -629,7 +577,7 @@ TracedNetwork trace_mesh(const TriangleMesh& mesh, const MeshSectionOptions& opt
   const auto lay_plane = [&](char letter, double wanted) {
     const int axis = letter - 'x';
     const double offset = clear_offset(mesh.positions.col(axis), wanted, diameter);
-    std::vector<Polyline> sections = slicer.slice(axis, offset);
+    std::vector<MeshPolyline> sections = slicer.slice(axis, offset);
     for (size_t part = 0; part < sections.size(); ++part) {
       // A scrap shorter than this has no room for readings.
       if (sections[part].length() < kShortestCurve * diameter || sections[part].points.size() < 3) continue;

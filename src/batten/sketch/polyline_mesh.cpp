@@ -3,27 +3,25 @@
 #include <algorithm>
 #include <numeric>
 
+#include "batten/core/disjoint_sets.hpp"
 #include "batten/core/error.hpp"
+#include "batten/core/index.hpp"
 #include "batten/core/text.hpp"
 
 namespace batten {
 
 namespace {
 
-size_t index(int i) {
-  return static_cast<size_t>(i);
-}
-
 /// Remembers the value of an element the first time it is touched in an edit.
 template <typename Element>
 Element& touch(std::vector<Element>& elements, std::vector<char>& touched,
                PolylineMesh::Change::Part<Element>& part, int i) {
   if (touched.size() < elements.size()) touched.resize(elements.size(), 0);
-  if (!touched[index(i)]) {
-    touched[index(i)] = 1;
-    part.before.emplace_back(i, elements[index(i)]);
+  if (!touched[at(i)]) {
+    touched[at(i)] = 1;
+    part.before.emplace_back(i, elements[at(i)]);
   }
-  return elements[index(i)];
+  return elements[at(i)];
 }
 
 template <typename Element>
@@ -31,21 +29,21 @@ void finish(const std::vector<Element>& elements, std::vector<char>& touched,
             PolylineMesh::Change::Part<Element>& part) {
   part.size_after = static_cast<int>(elements.size());
   for (const auto& [i, value] : part.before) {
-    touched[index(i)] = 0;
-    part.after.emplace_back(i, elements[index(i)]);
+    touched[at(i)] = 0;
+    part.after.emplace_back(i, elements[at(i)]);
   }
 }
 
 template <typename Element>
 void restore(std::vector<Element>& elements, const std::vector<std::pair<int, Element>>& values, int size) {
-  elements.resize(index(size));
+  elements.resize(at(size));
   for (const auto& [i, value] : values)
-    if (i < size) elements[index(i)] = value;
+    if (i < size) elements[at(i)] = value;
 }
 
 template <typename Element>
 void unmark(std::vector<char>& touched, const PolylineMesh::Change::Part<Element>& part) {
-  for (const auto& [i, value] : part.before) touched[index(i)] = 0;
+  for (const auto& [i, value] : part.before) touched[at(i)] = 0;
 }
 
 void erase_one(std::vector<int>& values, int value) {
@@ -105,8 +103,8 @@ std::vector<int> PolylineMesh::opening(int side) const {
 }
 
 std::vector<int> PolylineMesh::edges_of_curve(int curve) const {
-  if (curve < 0 || index(curve) >= edges_of_curve_.size()) return {};
-  return edges_of_curve_[index(curve)];
+  if (curve < 0 || at(curve) >= edges_of_curve_.size()) return {};
+  return edges_of_curve_[at(curve)];
 }
 
 SketchCounts PolylineMesh::counts() const {
@@ -114,28 +112,23 @@ SketchCounts PolylineMesh::counts() const {
   counts.vertices = count_alive(vertices_);
   counts.edges = count_alive(edges_);
   counts.faces = count_alive(faces_);
-  std::vector<char> curve_seen(index(n_curves_), 0), side_seen(2 * edges_.size(), 0);
-  std::vector<int> parent(vertices_.size());
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&](int v) {
-    while (parent[index(v)] != v) v = parent[index(v)] = parent[index(parent[index(v)])];
-    return v;
-  };
+  std::vector<char> curve_seen(at(n_curves_), 0), side_seen(2 * edges_.size(), 0);
+  DisjointSets connected(static_cast<int>(vertices_.size()));
   for (size_t e = 0; e < edges_.size(); ++e) {
     const SketchEdge& edge = edges_[e];
     if (!edge.alive) continue;
-    if (!curve_seen[index(edge.curve)]) ++counts.curves;
-    curve_seen[index(edge.curve)] = 1;
-    parent[index(root(edge.vertices[0]))] = root(edge.vertices[1]);
+    if (!curve_seen[at(edge.curve)]) ++counts.curves;
+    curve_seen[at(edge.curve)] = 1;
+    connected.unite(edge.vertices[0], edge.vertices[1]);
     for (const bool backwards : {false, true}) {
       const int side = side_of(static_cast<int>(e), backwards);
-      if (face_of(side) >= 0 || side_seen[index(side)]) continue;
+      if (face_of(side) >= 0 || side_seen[at(side)]) continue;
       ++counts.boundary_loops;
-      for (const int s : opening(side)) side_seen[index(s)] = 1;
+      for (const int s : opening(side)) side_seen[at(s)] = 1;
     }
   }
   for (size_t v = 0; v < vertices_.size(); ++v)
-    if (vertices_[v].alive && root(static_cast<int>(v)) == static_cast<int>(v)) ++counts.components;
+    if (vertices_[v].alive && connected.root(static_cast<int>(v)) == static_cast<int>(v)) ++counts.components;
   counts.genus = (2 * counts.components - counts.boundary_loops - counts.euler_characteristic()) / 2;
   return counts;
 }
@@ -145,13 +138,13 @@ double PolylineMesh::diameter() const {
 }
 
 std::string PolylineMesh::problem_of_edge(int number) const {
-  const auto i = index(number);
+  const auto i = at(number);
   const SketchEdge& edge = edges_[i];
   if (!edge.alive) return {};
   const std::string name = concat("e", i);
   const auto [a, b] = edge.vertices;
   for (const int v : {a, b}) {
-    if (v < 0 || index(v) >= vertices_.size() || !vertex(v).alive)
+    if (v < 0 || at(v) >= vertices_.size() || !vertex(v).alive)
       return concat(name, " ends at v", v, ", which does not exist");
     const auto& around = vertex(v).edges;
     if (std::count(around.begin(), around.end(), static_cast<int>(i)) != 1)
@@ -169,7 +162,7 @@ std::string PolylineMesh::problem_of_edge(int number) const {
   for (const bool backwards : {false, true}) {
     const int f = edge.faces[backwards ? 1 : 0];
     if (f < 0) continue;
-    if (index(f) >= faces_.size() || !face(f).alive)
+    if (at(f) >= faces_.size() || !face(f).alive)
       return concat(name, " names f", f, ", which does not exist");
     const auto& sides = face(f).sides;
     if (std::count(sides.begin(), sides.end(), side_of(static_cast<int>(i), backwards)) != 1)
@@ -179,14 +172,14 @@ std::string PolylineMesh::problem_of_edge(int number) const {
 }
 
 std::string PolylineMesh::problem_of_face(int number) const {
-  const auto i = index(number);
+  const auto i = at(number);
   const SketchFace& face = faces_[i];
   if (!face.alive) return {};
   if (face.sides.size() < 2) return concat("f", i, " has fewer than two sides");
   std::vector<int> corners;
   for (size_t k = 0; k < face.sides.size(); ++k) {
     const int side = face.sides[k], next = face.sides[(k + 1) % face.sides.size()];
-    if (side < 0 || index(edge_of(side)) >= edges_.size() || !edge(edge_of(side)).alive)
+    if (side < 0 || at(edge_of(side)) >= edges_.size() || !edge(edge_of(side)).alive)
       return concat("f", i, " walks along an edge that does not exist");
     if (face_of(side) != static_cast<int>(i)) return concat("e", edge_of(side), " does not name f", i);
     if (end_of(side) != start_of(next)) return concat("f", i, " is not closed at v", end_of(side));
@@ -199,12 +192,12 @@ std::string PolylineMesh::problem_of_face(int number) const {
 }
 
 std::string PolylineMesh::problem_of_vertex(int number) const {
-  const auto i = index(number);
+  const auto i = at(number);
   const SketchVertex& vertex = vertices_[i];
   if (!vertex.alive) return {};
   if (vertex.edges.size() < 2) return concat("v", i, " has fewer than two edges");
   for (const int e : vertex.edges)
-    if (e < 0 || index(e) >= edges_.size() || !edge(e).alive ||
+    if (e < 0 || at(e) >= edges_.size() || !edge(e).alive ||
         (edge(e).vertices[0] != static_cast<int>(i) && edge(e).vertices[1] != static_cast<int>(i)))
       return concat("v", i, " lists e", e, ", which does not end there");
   // Faces around the vertex form one fan: turn around it from a border, or from anywhere, and count edges.
@@ -250,7 +243,14 @@ std::string PolylineMesh::broken_by_edit() const {
   return problem;
 }
 
+void PolylineMesh::require_editing(bool wanted) const {
+  if (editing_ == wanted) return;
+  throw InvalidInput(wanted ? "a model changes within an edit only; call begin() first"
+                            : "an edit of the model is under way; commit() it or roll_back() first");
+}
+
 void PolylineMesh::begin() {
+  require_editing(false);
   change_ = {};
   change_.vertices.size_before = static_cast<int>(vertices_.size());
   change_.edges.size_before = static_cast<int>(edges_.size());
@@ -260,6 +260,7 @@ void PolylineMesh::begin() {
 }
 
 PolylineMesh::Change PolylineMesh::commit() {
+  require_editing(true);
   finish(vertices_, touched_vertices_, change_.vertices);
   finish(edges_, touched_edges_, change_.edges);
   finish(faces_, touched_faces_, change_.faces);
@@ -269,7 +270,8 @@ PolylineMesh::Change PolylineMesh::commit() {
 }
 
 void PolylineMesh::roll_back() {
-  undo(change_);
+  require_editing(true);
+  replay(change_, false);
   unmark(touched_vertices_, change_.vertices);
   unmark(touched_edges_, change_.edges);
   unmark(touched_faces_, change_.faces);
@@ -278,15 +280,17 @@ void PolylineMesh::roll_back() {
 }
 
 void PolylineMesh::undo(const Change& change) {
+  require_editing(false);
   replay(change, false);
 }
 
 void PolylineMesh::redo(const Change& change) {
+  require_editing(false);
   replay(change, true);
 }
 
 void PolylineMesh::replay(const Change& change, bool forwards) {
-  const auto curve_of = [&](int e) { return index(e) < edges_.size() && edge(e).alive ? edge(e).curve : -1; };
+  const auto curve_of = [&](int e) { return at(e) < edges_.size() && edge(e).alive ? edge(e).curve : -1; };
   std::vector<int> old_curves;
   for (const auto& [e, value] : change.edges.before) old_curves.push_back(curve_of(e));
   const auto put_back = [&](auto& elements, const auto& part) {
@@ -301,7 +305,7 @@ void PolylineMesh::replay(const Change& change, bool forwards) {
     index_everything();
     return;
   }
-  edges_of_curve_.resize(std::max(index(n_curves_), edges_of_curve_.size()));
+  edges_of_curve_.resize(std::max(at(n_curves_), edges_of_curve_.size()));
   std::vector<int> faces;
   for (const auto& [f, value] : change.faces.before) faces.push_back(f);
   for (size_t k = 0; k < old_curves.size(); ++k) {
@@ -309,17 +313,17 @@ void PolylineMesh::replay(const Change& change, bool forwards) {
     index_edge(e);
     if (curve >= 0) faces.insert(faces.end(), edge(e).faces.begin(), edge(e).faces.end());
     if (curve == old_curves[k]) continue;
-    if (old_curves[k] >= 0) erase_sorted(edges_of_curve_[index(old_curves[k])], e);
-    if (curve >= 0) insert_sorted(edges_of_curve_[index(curve)], e);
+    if (old_curves[k] >= 0) erase_sorted(edges_of_curve_[at(old_curves[k])], e);
+    if (curve >= 0) insert_sorted(edges_of_curve_[at(curve)], e);
   }
-  edges_of_curve_.resize(index(n_curves_));
+  edges_of_curve_.resize(at(n_curves_));
   std::sort(faces.begin(), faces.end());
   faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
   for (const int f : faces) index_face(f);
 }
 
 void PolylineMesh::index_edge(int e) {
-  if (index(e) < edges_.size() && edge(e).alive)
+  if (at(e) < edges_.size() && edge(e).alive)
     edge_boxes_.set(e, edge(e).polyline->box());
   else
     edge_boxes_.remove(e);
@@ -327,7 +331,7 @@ void PolylineMesh::index_edge(int e) {
 
 void PolylineMesh::index_face(int f) {
   if (f < 0) return;
-  if (index(f) < faces_.size() && face(f).alive)
+  if (at(f) < faces_.size() && face(f).alive)
     face_boxes_.set(f, box_of_face(f));
   else
     face_boxes_.remove(f);
@@ -342,11 +346,11 @@ Box PolylineMesh::box_of_face(int f) const {
 
 void PolylineMesh::index_everything() {
   std::vector<std::pair<int, Box>> boxes;
-  edges_of_curve_.assign(index(n_curves_), {});
+  edges_of_curve_.assign(at(n_curves_), {});
   for (int e = 0; e < static_cast<int>(edges_.size()); ++e) {
     if (!edge(e).alive) continue;
     boxes.emplace_back(e, edge(e).polyline->box());
-    edges_of_curve_[index(edge(e).curve)].push_back(e);
+    edges_of_curve_[at(edge(e).curve)].push_back(e);
   }
   edge_boxes_.assign(boxes);
   boxes.clear();
@@ -356,21 +360,26 @@ void PolylineMesh::index_everything() {
 }
 
 SketchVertex& PolylineMesh::touch_vertex(int v) {
+  require_editing(true);
   return touch(vertices_, touched_vertices_, change_.vertices, v);
 }
 SketchEdge& PolylineMesh::touch_edge(int e) {
+  require_editing(true);
   return touch(edges_, touched_edges_, change_.edges, e);
 }
 SketchFace& PolylineMesh::touch_face(int f) {
+  require_editing(true);
   return touch(faces_, touched_faces_, change_.faces, f);
 }
 
 int PolylineMesh::add_curve() {
+  require_editing(true);
   edges_of_curve_.emplace_back();
   return n_curves_++;
 }
 
 int PolylineMesh::add_vertex(const Eigen::Vector3d& position, bool is_seam) {
+  require_editing(true);
   const int v = static_cast<int>(vertices_.size());
   vertices_.emplace_back();
   SketchVertex& vertex = touch_vertex(v);
@@ -382,6 +391,7 @@ int PolylineMesh::add_vertex(const Eigen::Vector3d& position, bool is_seam) {
 
 int PolylineMesh::add_edge(int from, int to, SharedPolyline polyline, int curve, double sharpness,
                            bool drawn) {
+  require_editing(true);
   const int e = static_cast<int>(edges_.size());
   edges_.emplace_back();
   SketchEdge& edge = touch_edge(e);
@@ -393,16 +403,17 @@ int PolylineMesh::add_edge(int from, int to, SharedPolyline polyline, int curve,
   edge.alive = true;
   touch_vertex(from).edges.push_back(e);
   touch_vertex(to).edges.push_back(e);
-  edges_of_curve_[index(curve)].push_back(e);
+  edges_of_curve_[at(curve)].push_back(e);
   index_edge(e);
   return e;
 }
 
 int PolylineMesh::add_face(std::vector<int> sides) {
+  require_editing(true);
   const int f = static_cast<int>(faces_.size());
   faces_.emplace_back();
   SketchFace& face = touch_face(f);
-  for (const int side : sides) touch_edge(edge_of(side)).faces[index(side & 1)] = f;
+  for (const int side : sides) touch_edge(edge_of(side)).faces[at(side & 1)] = f;
   face.sides = std::move(sides);
   face.alive = true;
   index_face(f);
@@ -411,7 +422,7 @@ int PolylineMesh::add_face(std::vector<int> sides) {
 
 void PolylineMesh::remove_face(int f) {
   SketchFace& face = touch_face(f);
-  for (const int side : face.sides) touch_edge(edge_of(side)).faces[index(side & 1)] = -1;
+  for (const int side : face.sides) touch_edge(edge_of(side)).faces[at(side & 1)] = -1;
   face = {};
   index_face(f);
 }
@@ -419,7 +430,7 @@ void PolylineMesh::remove_face(int f) {
 void PolylineMesh::remove_edge(int e) {
   SketchEdge& edge = touch_edge(e);
   for (const int v : edge.vertices) erase_one(touch_vertex(v).edges, e);
-  erase_sorted(edges_of_curve_[index(edge.curve)], e);
+  erase_sorted(edges_of_curve_[at(edge.curve)], e);
   edge = {};
   index_edge(e);
 }
@@ -505,7 +516,7 @@ std::pair<std::vector<int>, std::vector<int>> divided(const PolylineMesh& mesh, 
 
 int PolylineMesh::split_face(int f, const std::vector<int>& chain) {
   auto [first, second] = divided(*this, face(f).sides, chain);
-  for (const int side : first) touch_edge(edge_of(side)).faces[index(side & 1)] = f;
+  for (const int side : first) touch_edge(edge_of(side)).faces[at(side & 1)] = f;
   touch_face(f).sides = std::move(first);
   index_face(f);
   return add_face(std::move(second));
@@ -555,7 +566,7 @@ void PolylineMesh::move_everything(const Eigen::Matrix4d& matrix) {
 void PolylineMesh::flip_component(int f) {
   std::vector<int> stack{f};
   std::vector<char> seen(faces_.size(), 0);
-  seen[index(f)] = 1;
+  seen[at(f)] = 1;
   std::vector<int> faces, edges;
   while (!stack.empty()) {
     const int current = stack.back();
@@ -564,8 +575,8 @@ void PolylineMesh::flip_component(int f) {
     for (const int side : face(current).sides) {
       edges.push_back(edge_of(side));
       const int next = face_of(opposite_side(side));
-      if (next >= 0 && !seen[index(next)]) {
-        seen[index(next)] = 1;
+      if (next >= 0 && !seen[at(next)]) {
+        seen[at(next)] = 1;
         stack.push_back(next);
       }
     }

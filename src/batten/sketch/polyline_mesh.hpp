@@ -6,8 +6,8 @@
 
 #include <Eigen/Core>
 
-#include "batten/mesh/dynamic_box_tree.hpp"
 #include "batten/curves/polyline.hpp"
+#include "batten/mesh/dynamic_box_tree.hpp"
 
 namespace batten {
 
@@ -63,7 +63,8 @@ struct SketchCounts {
 /// faces (f0, …) keep their numbers for life; numbers are given in the order of creation and those of removed
 /// elements stay empty.
 ///
-/// Every change happens between begin() and commit() or roll_back(). The elements that it touches are
+/// Every change happens between begin() and commit() or roll_back(), else it throws InvalidInput and changes
+/// nothing; so do begin(), undo() and redo() within an edit. The elements that an edit touches are
 /// remembered, so that undo costs as much as the edit, not as the model.
 class PolylineMesh {
  public:
@@ -155,6 +156,7 @@ class PolylineMesh {
   void flip_component(int face);
 
  private:
+  void require_editing(bool wanted) const;
   std::string problem_of_edge(int number) const;
   std::string problem_of_face(int number) const;
   std::string problem_of_vertex(int number) const;

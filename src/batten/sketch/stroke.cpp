@@ -6,8 +6,11 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
+#include "batten/core/statistics.hpp"
 #include "batten/core/text.hpp"
 #include "batten/core/units.hpp"
+#include "batten/curves/bspline.hpp"
+#include "batten/curves/polyline.hpp"
 
 namespace batten {
 
@@ -28,12 +31,6 @@ constexpr double kClearOfHolds = 10;  // times how far a held point lies off the
 /// spline to go through all of them: with about one in every span the system is close to singular, with more
 /// it has no solution, and the curve swings, each by more than those that it crosses.
 constexpr double kDenseFour = 0.07;
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// Standard deviation per coordinate of the noise: how far samples lie from the cubic through two neighbours
 /// on either side, with chord lengths as parameters, so that exact smooth strokes have none to fourth order.
@@ -56,7 +53,7 @@ double estimate_noise(const Points& points) {
     }
     residuals.push_back((points.row(i).transpose() - guess).norm() / std::sqrt(squares));
   }
-  return median(std::move(residuals)) / 1.538;  // the median of the length of a standard normal 3-vector
+  return upper_median(residuals) / 1.538;  // the median of the length of a standard normal 3-vector
 }
 
 Points without_repeats(const Points& points, double tolerance) {
@@ -180,35 +177,6 @@ std::vector<int> find_corners(const Stroke& stroke, double corner_angle) {
   return corners;
 }
 
-/// The four cubic B-splines at u in [0, spans], the first of them number `first`. Clamped at the ends by
-/// repeated knots, or uniform without end (periodic).
-struct Basis {
-  int first = 0;
-  double values[4] = {0, 0, 0, 0};
-};
-Basis cubic_basis(double u, int spans, bool periodic) {
-  const int span = std::clamp(static_cast<int>(std::floor(u)), 0, spans - 1);
-  const auto knot = [&](int i) {  // knot i of the vector that starts at −3
-    return periodic ? static_cast<double>(i) : static_cast<double>(std::clamp(i, 0, spans));
-  };
-  Basis basis;
-  basis.first = span;
-  double left[4], right[4];
-  basis.values[0] = 1;
-  for (int degree = 1; degree <= 3; ++degree) {  // Cox, de Boor
-    left[degree] = u - knot(span + 1 - degree);
-    right[degree] = knot(span + degree) - u;
-    double saved = 0;
-    for (int r = 0; r < degree; ++r) {
-      const double share = basis.values[r] / (right[r + 1] + left[degree - r]);
-      basis.values[r] = saved + right[r + 1] * share;
-      saved = left[degree - r] * share;
-    }
-    basis.values[degree] = saved;
-  }
-  return basis;
-}
-
 struct Sample {
   double t, weight;
   Vector3d point;
@@ -224,7 +192,7 @@ struct Spline {
   std::vector<Sample> offsets;
 
   Vector3d at(double t) const {
-    const Basis basis = cubic_basis(t * spans, spans, periodic);
+    const CubicBasis basis = cubic_basis(t * spans, spans, periodic);
     Vector3d sum = Vector3d::Zero();
     for (int k = 0; k < 4; ++k) sum += basis.values[k] * control.row(index(basis.first + k)).transpose();
     return offsets.empty() ? sum : sum + offset_at(t);
@@ -255,7 +223,7 @@ Spline least_squares_spline(const std::vector<Sample>& samples, const std::vecto
   Eigen::MatrixXd system = Eigen::MatrixXd::Zero(m + c, m + c);
   Eigen::MatrixXd right = Eigen::MatrixXd::Zero(m + c, 3);
   for (const Sample& sample : samples) {
-    const Basis basis = cubic_basis(sample.t * spans, spans, periodic);
+    const CubicBasis basis = cubic_basis(sample.t * spans, spans, periodic);
     for (int a = 0; a < 4; ++a) {
       const Index i = spline.index(basis.first + a);
       for (int b = 0; b < 4; ++b)
@@ -271,7 +239,7 @@ Spline least_squares_spline(const std::vector<Sample>& samples, const std::vecto
   }
   for (Index k = 0; k < c; ++k) {
     const Sample& hold = held[static_cast<size_t>(k)];
-    const Basis basis = cubic_basis(hold.t * spans, spans, periodic);
+    const CubicBasis basis = cubic_basis(hold.t * spans, spans, periodic);
     for (int a = 0; a < 4; ++a) {
       const Index i = spline.index(basis.first + a);
       system(m + k, i) += basis.values[a];
@@ -378,9 +346,7 @@ RefusedEdit::RefusedEdit(const std::string& reason, const std::string& remedy)
     : InvalidInput(reason + "; " + remedy), reason_(reason), remedy_(remedy) {}
 
 std::vector<double> Stroke::arcs() const {
-  std::vector<double> arcs{0};
-  for (Index i = 1; i < points.rows(); ++i)
-    arcs.push_back(arcs.back() + (points.row(i) - points.row(i - 1)).norm());
+  std::vector<double> arcs = arc_lengths(points);
   if (closed) arcs.push_back(arcs.back() + (points.row(0) - points.row(points.rows() - 1)).norm());
   return arcs;
 }

@@ -10,6 +10,7 @@
 #include <Eigen/Dense>
 
 #include "batten/core/error.hpp"
+#include "batten/core/index.hpp"
 #include "batten/core/text.hpp"
 #include "batten/core/units.hpp"
 #include "batten/network/cycles.hpp"
@@ -34,10 +35,6 @@ const double kNoEdge = std::cos(radians(115));
 constexpr double kPlanar = 0.2;
 /// A patch beside a curve that passes through a T turned away this far from the plane of the T shows an edge.
 const double kEdge = std::cos(radians(55));
-
-size_t at(int i) {
-  return static_cast<size_t>(i);
-}
 
 /// A region between curves: what the walk over following darts goes around.
 struct Region {

@@ -8,7 +8,9 @@
 
 #include <Eigen/Dense>
 
+#include "batten/core/disjoint_sets.hpp"
 #include "batten/core/error.hpp"
+#include "batten/core/index.hpp"
 #include "batten/core/text.hpp"
 #include "batten/core/units.hpp"
 #include "batten/network/end_parabola.hpp"
@@ -35,10 +37,6 @@ constexpr std::array<double, 2> kLooseLinks{0.15, 0.6};
 constexpr std::size_t kMostPermuted = 7;
 /// A choice that wins by less than this is told. Two patches more gain 0.24.
 constexpr double kDoubt = 0.15;
-
-size_t at(int i) {
-  return static_cast<size_t>(i);
-}
 
 /// One order of the darts of a node, by their places in the node's list.
 struct Order {
@@ -456,12 +454,7 @@ class OrderSearch {
   /// Groups of nodes that hang together by links that tell the sides clearly; turning over one of them
   /// changes only the loose links around it.
   bool turn_over_groups(double loose) {
-    std::vector<int> parent(nodes_.size());
-    std::iota(parent.begin(), parent.end(), 0);
-    const auto root = [&](int i) {
-      while (parent[at(i)] != i) i = parent[at(i)] = parent[at(parent[at(i)])];
-      return i;
-    };
+    DisjointSets sets(static_cast<int>(nodes_.size()));
     std::vector<double> gain(graph_.links.size(), 0);
     for (size_t l = 0; l < graph_.links.size(); ++l) {
       const NetworkLink& link = graph_.links[l];
@@ -469,12 +462,11 @@ class OrderSearch {
       const auto number = static_cast<int>(l);
       gain[l] = link_cost(number, chosen(link.from), mirrored(link.to)) -
                 link_cost(number, chosen(link.from), chosen(link.to));
-      const int a = root(link.from), b = root(link.to);
-      if (gain[l] > loose) parent[at(std::max(a, b))] = std::min(a, b);
+      if (gain[l] > loose) sets.unite(link.from, link.to);
     }
     std::map<int, std::vector<int>> groups;
     for (size_t n = 0; n < nodes_.size(); ++n)
-      if (chosen_[n] >= 0) groups[root(static_cast<int>(n))].push_back(static_cast<int>(n));
+      if (chosen_[n] >= 0) groups[sets.root(static_cast<int>(n))].push_back(static_cast<int>(n));
     // One group of each component stays: turning all of them over changes nothing.
     std::vector<size_t> largest(at(graph_.topology.n_components), 0);
     std::vector<int> keeper(at(graph_.topology.n_components), -1);
@@ -494,7 +486,7 @@ class OrderSearch {
           darts.push_back(d);
           darts.push_back(d ^ 1);
           const NetworkLink& link = graph_.links[at(d / 2)];
-          if (root(start_node(d ^ 1)) != first)
+          if (sets.root(start_node(d ^ 1)) != first)
             change += link_cost(d / 2, chosen(link.from), mirrored(link.to)) -
                       link_cost(d / 2, chosen(link.from), chosen(link.to));
         }

@@ -8,7 +8,9 @@
 #include <numeric>
 #include <set>
 
+#include "batten/core/disjoint_sets.hpp"
 #include "batten/core/error.hpp"
+#include "batten/core/index.hpp"
 #include "batten/core/text.hpp"
 #include "batten/core/units.hpp"
 #include "batten/mesh/box_tree.hpp"
@@ -31,10 +33,6 @@ constexpr double kOverdraw = 6;
 constexpr double kRest = 3;
 /// Weld tolerances along a loop, or along both of two curves between the same nodes, that make no patch.
 constexpr double kShortest = 6;
-
-size_t at(int i) {
-  return static_cast<size_t>(i);
-}
 
 Vector position(const CurveNetwork& network, int v) {
   return network.positions.row(v);
@@ -296,34 +294,28 @@ CurveNetwork without_slivers(const CurveNetwork& network, double tolerance, doub
                              double shortest_loop, int& n_dropped) {
   CurveNetwork pieces = in_segments(network);
   const auto n = static_cast<int>(pieces.positions.rows());
-  std::vector<int> parent(at(n));
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&](int i) {
-    while (parent[at(i)] != i) i = parent[at(i)] = parent[at(parent[at(i)])];
-    return i;
-  };
+  DisjointSets merged(n);
   std::vector<NetworkCurve> kept;
   for (NetworkCurve& piece : pieces.curves) {
     if (length_of(pieces, piece.vertices) >= tolerance) {
       kept.push_back(std::move(piece));
       continue;
     }
-    const int a = root(piece.vertices.front()), b = root(piece.vertices.back());
-    parent[at(std::max(a, b))] = std::min(a, b);
+    merged.unite(piece.vertices.front(), piece.vertices.back());
   }
   std::vector<Vector> sum(at(n), Vector::Zero());
   std::vector<int> count(at(n), 0);
   for (int v = 0; v < n; ++v) {
-    sum[at(root(v))] += position(network, v);
-    ++count[at(root(v))];
+    sum[at(merged.root(v))] += position(network, v);
+    ++count[at(merged.root(v))];
   }
   for (int v = 0; v < n; ++v)
     if (count[at(v)] > 1) pieces.positions.row(v) = sum[at(v)] / count[at(v)];
   std::map<std::pair<int, int>, std::vector<size_t>> between;
   std::vector<NetworkCurve> result;
   for (NetworkCurve& piece : kept) {
-    piece.vertices.front() = root(piece.vertices.front());
-    piece.vertices.back() = root(piece.vertices.back());
+    piece.vertices.front() = merged.root(piece.vertices.front());
+    piece.vertices.back() = merged.root(piece.vertices.back());
     const int a = piece.vertices.front(), b = piece.vertices.back();
     // Loops, and pairs between the same nodes, too short to bound a patch; a loop has both sides in one.
     const double length = length_of(pieces, piece.vertices);

@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
 
+#include "batten/core/disjoint_sets.hpp"
 #include "batten/core/error.hpp"
+#include "batten/core/index.hpp"
 #include "batten/core/text.hpp"
 #include "batten/network/contacts.hpp"
 
@@ -18,17 +19,14 @@ using detail::CurveIndex;
 using detail::CurvePlace;
 using Vector = Eigen::Vector3d;
 
-size_t at(int i) {
-  return static_cast<size_t>(i);
-}
-
 /// Collects what is to become one, then rebuilds the network.
 class Welder {
  public:
   Welder(const CurveNetwork& network, double tolerance)
-      : network_(network), tolerance_(tolerance), insertions_(network.curves.size()) {
-    parent_.resize(at(static_cast<int>(network.positions.rows())));
-    std::iota(parent_.begin(), parent_.end(), 0);
+      : network_(network),
+        tolerance_(tolerance),
+        merged_(static_cast<int>(network.positions.rows())),
+        insertions_(network.curves.size()) {
     for (Eigen::Index v = 0; v < network.positions.rows(); ++v)
       positions_.emplace_back(network.positions.row(v));
     if (network.has_normals())
@@ -51,9 +49,8 @@ class Welder {
     if (std::min(to_a, to_b) <= near) return to_a <= to_b ? a : b;
     for (const auto& [position, vertex] : insertions_[at(place.curve)])
       if ((positions_[at(vertex)] - place.point).norm() <= near) return vertex;
-    const auto vertex = static_cast<int>(positions_.size());
+    const int vertex = merged_.add();
     positions_.push_back(place.point);
-    parent_.push_back(vertex);
     if (!normals_.empty()) {
       Vector normal = (1 - place.fraction) * normals_[at(a)] + place.fraction * normals_[at(b)];
       if (!(normal.norm() > 0)) normal = normals_[at(a)];
@@ -63,11 +60,7 @@ class Welder {
     return vertex;
   }
 
-  void unite(int a, int b) {
-    a = root(a);
-    b = root(b);
-    parent_[at(std::max(a, b))] = std::min(a, b);
-  }
+  void unite(int a, int b) { merged_.unite(a, b); }
 
   CurveNetwork result(WeldReport& report) {
     for (auto& list : insertions_) report.n_inserted_nodes += static_cast<int>(list.size());
@@ -76,7 +69,7 @@ class Welder {
     std::vector<Vector> mean(at(n), Vector::Zero()), normal(at(n), Vector::Zero());
     std::vector<int> count(at(n), 0);
     for (int v = 0; v < n; ++v) {
-      const int r = root(v);
+      const int r = merged_.root(v);
       mean[at(r)] += positions_[at(v)];
       if (!normals_.empty()) normal[at(r)] += normals_[at(v)];
       ++count[at(r)];
@@ -92,7 +85,7 @@ class Welder {
       std::vector<int> vertices;
       size_t next = 0;
       const auto append = [&](int v) {
-        v = root(v);
+        v = merged_.root(v);
         if (vertices.empty() || vertices.back() != v) vertices.push_back(v);
       };
       for (size_t k = 0; k < curve.vertices.size(); ++k) {
@@ -126,7 +119,7 @@ class Welder {
     for (NetworkCurve& curve : welded.curves)
       for (int& v : curve.vertices) v = number[at(v)];
     for (const int v : network_.tagged_nodes)
-      if (const int place = number[at(root(v))];
+      if (const int place = number[at(merged_.root(v))];
           place >= 0 && std::find(welded.tagged_nodes.begin(), welded.tagged_nodes.end(), place) ==
                             welded.tagged_nodes.end())
         welded.tagged_nodes.push_back(place);
@@ -134,15 +127,10 @@ class Welder {
   }
 
  private:
-  int root(int i) {
-    while (parent_[at(i)] != i) i = parent_[at(i)] = parent_[at(parent_[at(i)])];
-    return i;
-  }
-
   const CurveNetwork& network_;
   double tolerance_;
+  DisjointSets merged_;
   std::vector<Vector> positions_, normals_;
-  std::vector<int> parent_;
   std::vector<std::vector<std::pair<double, int>>> insertions_;  // per curve: place along it, vertex
 };
 
