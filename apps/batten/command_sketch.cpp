@@ -177,8 +177,7 @@ Outcome run_sketch(const SketchArguments& arguments, Context& context) {
   if (file_extension(arguments.output) != "batten")
     throw FileError(arguments.output, 0, "the output is a project; its extension must be .batten");
   if (!arguments.surface.empty()) mesh_format(arguments.surface);
-  if (!arguments.step.empty() && !has_step())
-    throw InvalidInput("this program was built without Open Cascade and cannot write STEP; leave --step out");
+  if (!arguments.step.empty()) require_step();
   Outcome outcome;
   Project project;
   if (file_extension(arguments.session) == "batten") {

@@ -81,7 +81,7 @@ void check_arguments(const SubdivideArguments& arguments) {
       throw CLI::ValidationError("--step",
                                  "writes the limit surface of Catmull-Clark; the other schemes have no "
                                  "B-splines as their limit. Let --scheme end in catmull-clark");
-    if (!has_step()) format_step({});  // says how to get it
+    require_step();
   }
 }
 

@@ -265,6 +265,8 @@ bool has_step() {
   return true;
 }
 
+void require_step() {}
+
 std::string format_step(const BsplineSurface& surface, const StepOptions& options) {
   if (!(options.millimetres_per_unit > 0) || !std::isfinite(options.millimetres_per_unit))
     throw InvalidInput(concat("millimetres_per_unit must be > 0, got ", options.millimetres_per_unit));

@@ -10,6 +10,10 @@ namespace batten {
 /// that says how to get it.
 bool has_step();
 
+/// For whoever would rather know before the work than after it.
+/// @throws InvalidInput that says how to get Open Cascade, where has_step() is false.
+void require_step();
+
 /// Options of format_step().
 struct StepOptions {
   /// STEP files declare millimetres; a cage in metres is written a thousand times larger. Above 0.

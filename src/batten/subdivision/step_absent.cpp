@@ -8,14 +8,18 @@ namespace {
 
 [[noreturn]] void refuse() {
   throw InvalidInput(
-      "this build of batten has no Open Cascade and neither writes nor reads STEP; install "
-      "libocct-data-exchange-dev and build again");
+      "this build of batten has no Open Cascade and neither writes nor reads STEP; get it with "
+      "tools/setup step && tools/build program");
 }
 
 }  // namespace
 
 bool has_step() {
   return false;
+}
+
+void require_step() {
+  refuse();
 }
 
 std::string format_step(const BsplineSurface&, const StepOptions&) {
