@@ -1,5 +1,8 @@
 #include "batten/rotation/so3.hpp"
 
+#include <cmath>
+#include <limits>
+
 #include <gtest/gtest.h>
 
 #include "batten/core/error.hpp"
@@ -95,6 +98,26 @@ TEST(So3, DarbouxFrameRefusesVanishingAndParallelVectors) {
   EXPECT_THROW(darboux_frame(x, -2 * x), InvalidInput);
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(darboux_frame(x, Eigen::Vector3d(nan, 0, 1)), InvalidInput);
+}
+
+// The limit is a sine of 1e-4 between the two, whatever their lengths and on whichever side they are: a tenth
+// below it is refused, a tenth above it gives a frame that is orthonormal to rounding over that sine.
+TEST(So3, DarbouxFrameTakesDirectionsDownToASineOfOneInTenThousand) {
+  for (const double side : {1.0, -1.0}) {
+    for (const double length : {1e-6, 1.0, 1e6}) {
+      const auto normal = [&](double sine) -> Eigen::Vector3d {
+        return length * Eigen::Vector3d(side * std::sqrt(1 - sine * sine), sine, 0);
+      };
+      const Eigen::Vector3d t(3, 0, 0);
+      EXPECT_THROW(darboux_frame(t, normal(0.9e-4)), InvalidInput);
+      EXPECT_THROW(darboux_frame(t, normal(0.9e-4), false), InvalidInput);
+      for (const bool keep_normal : {true, false}) {
+        const Eigen::Matrix3d X = darboux_frame(t, normal(1.1e-4), keep_normal);
+        EXPECT_LT((X.transpose() * X - Eigen::Matrix3d::Identity()).norm(), 1e-11);
+        EXPECT_LT((X.col(2) - Eigen::Vector3d::UnitZ()).norm(), 1e-11);  // x × (±1, 1e-4, 0) points to z
+      }
+    }
+  }
 }
 
 }  // namespace

@@ -1,6 +1,8 @@
 #include "batten/rotation/wahba.hpp"
 
 #include <cmath>
+#include <string>
+#include <vector>
 
 #include <Eigen/LU>
 #include <gtest/gtest.h>
@@ -82,6 +84,48 @@ TEST(Wahba, WeightsCountAsRepetitions) {
   for (VectorPair& pair : repeated) pair.weight = 1e-9;
   for (const WahbaMethod method : {WahbaMethod::Quaternion, WahbaMethod::Svd})
     EXPECT_LT((solve_wahba(pairs, method) - solve_wahba(repeated, method)).norm(), kAgreement);
+}
+
+// A weight of 0 is how a caller leaves a sensor out that measured nothing: its vectors are not looked at.
+TEST(Wahba, PairsOfWeightZeroMayHoldAnyVectors) {
+  Random random(4);
+  const Vector3d nothing(0, 0, 0), broken(NAN, 0, 0);
+  const Matrix3d X = random_rotation(random);
+  const std::vector<VectorPair> pairs = sensor_pairs(X);
+  std::vector<VectorPair> more = {
+      {nothing, random.direction(), 0}, pairs[0], {random.direction(), broken, 0}, pairs[1]};
+  for (const WahbaMethod method : {WahbaMethod::Quaternion, WahbaMethod::Svd}) {
+    EXPECT_EQ(solve_wahba(more, method), solve_wahba(pairs, method));
+    EXPECT_EQ(wahba_cost(more, X), wahba_cost(pairs, X));
+    // They do not count towards the two that are needed either, and the message says how many are left.
+    try {
+      solve_wahba({pairs[0], {pairs[1].reference, pairs[1].measured, 0}}, method);
+      FAIL() << "one vector does not determine a rotation";
+    } catch (const InvalidInput& error) {
+      EXPECT_NE(std::string(error.what()).find("got 1"), std::string::npos) << error.what();
+    }
+  }
+}
+
+// Markley 1988: the solution is unique while σ₂ + sign(det B) σ₃ > 0. Three axes of equal weight have B =
+// ±I/3. All kept, the identity is the only solution; all reversed, every half turn costs the same (trace −1,
+// like any other), so there is none. With unequal weights the reversed axes have one again: the half turn
+// that reverses the heaviest two, (−1, −1, +1) in the order of weights, which costs 4 times the lightest.
+TEST(Wahba, ReflectedVectorsDetermineARotationUnlessTheirTwoLightestSpreadsAreEqual) {
+  const auto axes = [](double sign, const Vector3d& weights) {
+    std::vector<VectorPair> pairs;
+    for (int i = 0; i < 3; ++i) pairs.push_back({Vector3d::Unit(i), sign * Vector3d::Unit(i), weights[i]});
+    return pairs;
+  };
+  for (const WahbaMethod method : {WahbaMethod::Quaternion, WahbaMethod::Svd}) {
+    EXPECT_LT((solve_wahba(axes(1, {1, 1, 1}), method) - Matrix3d::Identity()).norm(), 1e-14);
+    EXPECT_THROW(solve_wahba(axes(-1, {1, 1, 1}), method), InvalidInput);
+    EXPECT_THROW(solve_wahba(axes(-1, {2, 1, 1}), method), InvalidInput);
+    const std::vector<VectorPair> reversed = axes(-1, {5, 3, 2});
+    const Matrix3d X = solve_wahba(reversed, method);
+    EXPECT_LT((X - Matrix3d(Vector3d(-1, -1, 1).asDiagonal())).norm(), 1e-14);
+    EXPECT_NEAR(wahba_cost(reversed, X), 4 * 2, 1e-14);
+  }
 }
 
 // An infinite weight would fix its vector; a large one leaves the other pair only the turn about it.

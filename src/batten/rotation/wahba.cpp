@@ -99,6 +99,7 @@ Matrix3d solve_wahba(const std::vector<VectorPair>& pairs, WahbaMethod method) {
 double wahba_cost(const std::vector<VectorPair>& pairs, const Matrix3d& X) {
   double cost = 0;
   for (size_t i = 0; i < pairs.size(); ++i) {
+    if (pairs[i].weight == 0) continue;  // as in solve_wahba(): its vectors may be missing
     const Vector3d e = unit(pairs[i].reference, "reference", i);
     const Vector3d m = unit(pairs[i].measured, "measured", i);
     cost += pairs[i].weight * (m - X.transpose() * e).squaredNorm();

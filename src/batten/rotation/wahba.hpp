@@ -10,7 +10,7 @@ namespace batten {
 struct VectorPair {
   Eigen::Vector3d reference;  ///< in world coordinates, any length but zero
   Eigen::Vector3d measured;   ///< in device coordinates, any length but zero
-  double weight = 1;          ///< α, at least 0
+  double weight = 1;  ///< α, at least 0; at 0 the pair does not count and its vectors may be anything
 };
 
 /// Which algorithm solves Wahba's problem. Both give the same rotation to rounding.
@@ -23,8 +23,9 @@ enum class WahbaMethod {
 ///
 /// Minimises Σ αᵢ ‖mᵢ − Xᵀ eᵢ‖² over rotations X with both vectors scaled to length 1. X maps device to world
 /// coordinates; Wahba's A of (3.1) is Xᵀ (METHODS 0).
-/// @throws InvalidInput with fewer than two pairs of positive weight, a vanishing or not finite vector, or
-/// when the directions of one side are all parallel: the rotation is not determined then.
+/// @throws InvalidInput with fewer than two pairs of positive weight, with a vanishing or not finite vector
+/// among them, or where the rotation is not determined: the directions of one side are all parallel, or both
+/// sides are mirror images with σ₂ = σ₃ for the singular values of B = Σ αᵢ mᵢ eᵢᵀ (Markley 1988).
 Eigen::Matrix3d solve_wahba(const std::vector<VectorPair>& pairs,
                             WahbaMethod method = WahbaMethod::Quaternion);
 
