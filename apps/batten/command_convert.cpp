@@ -1,6 +1,6 @@
 #include "command.hpp"
 #include "model_file.hpp"
-#include "sketch_stage.hpp"
+#include "stroke_arguments.hpp"
 
 #include <memory>
 #include <string>
@@ -50,7 +50,9 @@ void convert_network(CurveNetwork network, const ConvertArguments& arguments, co
   if (arguments.sketch) {
     if (network.has_normals())
       throw InvalidInput(concat(arguments.in, " has normals, so it is no sketch; leave --sketch out"));
-    outcome.figures["cycles"] = run_sketch_stage({}, network, context, outcome).size();
+    StrokeNetwork strokes = run_strokes({}, network, context, outcome);
+    outcome.figures["cycles"] = strokes.cycles.size();
+    network = std::move(strokes.network);
   }
   if (!arguments.weld.empty()) {
     ScopedStage stage(outcome.times, "weld");

@@ -1,6 +1,6 @@
 #include "command.hpp"
 #include "model_file.hpp"
-#include "sketch_stage.hpp"
+#include "stroke_arguments.hpp"
 
 #include <algorithm>
 #include <map>
@@ -164,14 +164,15 @@ int count_boundary_loops(const CurveNetwork& network) {
 /// file as it is move to "stored".
 void add_sketch_counts(const CurveNetwork& network, const Context& context, Outcome& outcome) {
   Json& f = outcome.figures;
-  SketchNetwork made;
-  Outcome reading;
+  StrokeNetwork made;
   try {
-    made = read_sketch({}, network, context, reading);
+    made = network_of_strokes(network, {}, context.progress);
   } catch (const InvalidInput& problem) {
     outcome.lines.push_back(concat("no patches: ", problem.what()));
     return;
   }
+  Outcome reading;
+  report_strokes(made, reading);
   outcome.times.add(reading.times);
   f.update(reading.figures);
   outcome.lines.insert(outcome.lines.end(), reading.lines.begin(), reading.lines.end());
@@ -180,13 +181,13 @@ void add_sketch_counts(const CurveNetwork& network, const Context& context, Outc
   f["nodes"] = topology.nodes.size();
   f["segments"] = topology.segments.size();
   f["components"] = topology.n_components;
-  f["cycles"] = made.estimate.cycles.size();
-  f["genus"] = made.estimate.n_handles;
+  f["cycles"] = made.cycles.size();
+  f["genus"] = made.n_handles;
   outcome.lines.push_back(
       concat("as a surface: ", counted(static_cast<long>(topology.nodes.size()), "node", "nodes"), ", ",
              counted(static_cast<long>(topology.segments.size()), "segment", "segments"), ", ",
-             counted(static_cast<long>(made.estimate.cycles.size()), "cycle", "cycles"), ", ",
-             counted(topology.n_components, "component", "components"), ", genus ", made.estimate.n_handles));
+             counted(static_cast<long>(made.cycles.size()), "cycle", "cycles"), ", ",
+             counted(topology.n_components, "component", "components"), ", genus ", made.n_handles));
 }
 
 void add_network(const CurveNetwork& network, const Context& context, Outcome& outcome) {

@@ -1,5 +1,5 @@
 #include "command.hpp"
-#include "network_stage.hpp"
+#include "network_arguments.hpp"
 
 #include <memory>
 
@@ -12,7 +12,10 @@ void add_network(CLI::App& app) {
       "Turn a scan of orientations and distances into a curve network with positions and normals.",
       "batten network scan.rawnet -o network.json", [arguments](Context& context) {
         Outcome outcome;
-        run_network_stage(*arguments, context, outcome);
+        const ScanOptions options = scan_options(*arguments);
+        check_network_output(*arguments);
+        const Scan scan = read_network_scan(*arguments, outcome);
+        report_network(*arguments, network_from_scan(scan, options, context.progress), outcome);
         return outcome;
       });
   command->add_option("-o,--output", arguments->output, "Network to write: .net, .obj or .json")->required();

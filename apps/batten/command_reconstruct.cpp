@@ -1,7 +1,7 @@
 #include "command.hpp"
 #include "model_file.hpp"
-#include "network_stage.hpp"
-#include "surface_stage.hpp"
+#include "network_arguments.hpp"
+#include "surface_arguments.hpp"
 
 #include <memory>
 
@@ -41,9 +41,16 @@ void compare_with_truth(const std::string& path, const Context& context, Outcome
 
 Outcome reconstruct(const ReconstructArguments& arguments, Context& context) {
   check_surface_output(arguments.surface);
+  check_network_output(arguments.network);
+  const ScanOptions scan = scan_options(arguments.network);
+  const NetworkSurfaceOptions filling = surface_options(arguments.surface);
   Outcome outcome, network, surface;
-  const ScanNetwork scanned = run_network_stage(arguments.network, context, network);
-  run_surface_stage(arguments.surface, scanned.network, context, surface);
+  const Scan readings = read_network_scan(arguments.network, network);
+  // Not by reconstruct(): the network is reported and written even where filling it fails.
+  const ScanNetwork scanned = network_from_scan(readings, scan, context.progress);
+  report_network(arguments.network, scanned, network);
+  report_surface(arguments.surface, network_surface(scanned.network, filling, context.progress),
+                 scanned.network, surface);
 
   // The counts of what was made at the top, as every command has them; the figures of each stage by its name.
   for (const char* count : {"curves", "nodes", "segments", "cycles", "components", "boundary_loops",

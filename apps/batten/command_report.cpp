@@ -1,6 +1,7 @@
 #include "command.hpp"
-#include "sketch_comparison.hpp"
-#include "thesis_h.hpp"
+#include "experiments/sketch_comparison.hpp"
+#include "experiments/thesis_h.hpp"
+#include "model_surface_arguments.hpp"
 
 #include <algorithm>
 #include <filesystem>
@@ -15,14 +16,47 @@ namespace batten::cli {
 
 namespace {
 
+using experiments::SketchComparison;
+using experiments::SketchComparisonOptions;
+using experiments::ThesisTables;
+
 constexpr const char* kDefaultData = "../shared/data";
 constexpr const char* kDefaultSessions = "examples/sessions";
 
 struct ReportArguments {
   std::string experiment, output, data;
   std::vector<std::string> tables;
+  std::vector<std::string> methods = choice_words<ModelSurfaceMethod>();
   SketchComparisonOptions sketch;
 };
+
+Json surface_json(const experiments::MeasuredSurface& measured) {
+  if (!measured.refusal.empty()) return {{"refused", measured.refusal}};
+  Json json = figures_json(measured.surface);
+  json["vertices"] = measured.n_vertices;
+  json["faces"] = measured.n_triangles;
+  json["seconds"] = measured.seconds;
+  json["warnings"] = measured.surface.warnings;
+  json["deviation"] = nullptr;
+  if (measured.deviation)
+    json["deviation"] = {{"mean", measured.deviation->mean}, {"max", measured.deviation->max}};
+  json["continuity"] = continuity_json(measured.continuity, measured.diameter);
+  return json;
+}
+
+Json models_json(const SketchComparison& found) {
+  Json models = Json::array();
+  for (const experiments::ComparedModel& model : found.models) {
+    models.push_back({{"model", model.name},
+                      {"curves", model.counts.curves},
+                      {"faces", model.counts.faces},
+                      {"genus", model.counts.genus},
+                      {"methods", Json::object()}});
+    for (const experiments::MeasuredSurface& surface : model.surfaces)
+      models.back()["methods"][std::string(word_of(surface.method))] = surface_json(surface);
+  }
+  return models;
+}
 
 /// The number of characters of UTF-8 text.
 std::size_t characters(const std::string& text) {
@@ -73,12 +107,14 @@ Outcome run_sketch_report(const ReportArguments& arguments, Context& context) {
   const std::string folder = data_folder(arguments, kDefaultSessions, "sessions", outcome);
   SketchComparisonOptions options = arguments.sketch;
   options.pictures = !arguments.output.empty();
+  for (const std::string& method : arguments.methods)
+    options.methods.push_back(parse_choice<ModelSurfaceMethod>(method));
   SketchComparison found = compare_sketch_surfaces(folder, options, context.progress);
   outcome.times.add(found.times);
   outcome.warnings.insert(outcome.warnings.end(), found.warnings.begin(), found.warnings.end());
   outcome.figures["experiment"] = arguments.experiment;
   outcome.figures["data"] = folder.empty() ? Json(nullptr) : Json(folder);
-  outcome.figures["models"] = std::move(found.models);
+  outcome.figures["models"] = models_json(found);
   print(found.grid, outcome.lines);
   if (arguments.output.empty()) return outcome;
 
@@ -88,8 +124,8 @@ Outcome run_sketch_report(const ReportArguments& arguments, Context& context) {
   report.version = BATTEN_VERSION;
   report.command_line = concat("batten report sketch -o ", arguments.output,
                                arguments.data.empty() ? "" : " --data " + arguments.data);
-  if (options.methods.size() < model_surface_methods().size())
-    report.command_line += " --methods " + joined(options.methods);
+  if (options.methods.size() < choice_words<ModelSurfaceMethod>().size())
+    report.command_line += " --methods " + joined(arguments.methods);
   if (!options.models.empty()) report.command_line += " --models " + joined(options.models);
   report.command_line += concat(" --levels ", options.surface.levels);
   report.grids.push_back(std::move(found.grid));
@@ -104,7 +140,8 @@ Outcome run_sketch_report(const ReportArguments& arguments, Context& context) {
 Outcome run_thesis_report(const ReportArguments& arguments, Context& context) {
   Outcome outcome;
   const std::string folder = data_folder(arguments, kDefaultData, "meshes of the thesis", outcome);
-  ThesisTables found = thesis_h(folder, arguments.tables, !arguments.output.empty(), context.progress);
+  ThesisTables found =
+      experiments::thesis_h(folder, arguments.tables, !arguments.output.empty(), context.progress);
   outcome.times.add(found.times);
   outcome.warnings.insert(outcome.warnings.end(), found.warnings.begin(), found.warnings.end());
   std::string missing;
@@ -126,7 +163,7 @@ Outcome run_thesis_report(const ReportArguments& arguments, Context& context) {
   report.version = BATTEN_VERSION;
   report.command_line = concat("batten report ", arguments.experiment, " -o ", arguments.output,
                                arguments.data.empty() ? "" : " --data " + arguments.data);
-  if (arguments.tables.size() < thesis_h_tables().size()) {
+  if (arguments.tables.size() < experiments::thesis_h_tables().size()) {
     report.command_line += " --tables " + joined(arguments.tables);
   }
   report.grids = std::move(found.grids);
@@ -143,8 +180,7 @@ Outcome run_thesis_report(const ReportArguments& arguments, Context& context) {
 
 void add_report(CLI::App& app) {
   auto arguments = std::make_shared<ReportArguments>();
-  arguments->tables = thesis_h_tables();
-  arguments->sketch.methods = model_surface_methods();
+  arguments->tables = experiments::thesis_h_tables();
   CLI::App* command = add_command(
       app, "report", "Repeat the tables of a thesis, or compare the surfaces of sketched models.",
       "batten report thesis-h -o thesis-h.html --data ../shared/data", [arguments](Context& context) {
@@ -167,10 +203,10 @@ void add_report(CLI::App& app) {
                              kDefaultData, " and ", kDefaultSessions));
   command->add_option("--tables", arguments->tables, "thesis-h: only these tables, joined by commas")
       ->delimiter(',')
-      ->check(CLI::IsMember(thesis_h_tables()));
-  command->add_option("--methods", arguments->sketch.methods, "sketch: only these methods, joined by commas")
+      ->check(CLI::IsMember(experiments::thesis_h_tables()));
+  command->add_option("--methods", arguments->methods, "sketch: only these methods, joined by commas")
       ->delimiter(',')
-      ->check(CLI::IsMember(model_surface_methods()));
+      ->check(CLI::IsMember(choice_words<ModelSurfaceMethod>()));
   command->add_option("--models", arguments->sketch.models, "sketch: only these models, joined by commas")
       ->delimiter(',');
   command->add_option("--levels", arguments->sketch.surface.levels, "sketch: levels of subdivision, 0 to 6")

@@ -1,5 +1,5 @@
 #include "command.hpp"
-#include "model_surface.hpp"
+#include "model_surface_arguments.hpp"
 
 #include <algorithm>
 #include <memory>
@@ -21,7 +21,7 @@ namespace {
 
 struct SketchArguments {
   std::string session, output, surface, step;
-  ModelSurfaceOptions options;
+  ModelSurfaceArguments model_surface;
   bool strict = false;
 };
 
@@ -149,17 +149,21 @@ void write_patches(const SketchArguments& arguments, const Project& project, con
 void make_surface(const SketchArguments& arguments, const Project& project, const Context& context,
                   Outcome& outcome) {
   const PolylineMesh& model = project.document.mesh();
-  ModelSurface surface =
-      make_model_surface(model, arguments.options, !arguments.surface.empty(), context.progress);
+  ModelSurfaceOptions options = model_surface_options(arguments.model_surface);
+  options.with_mesh = !arguments.surface.empty();
+  ModelSurface surface = model_surface(model, options, context.progress);
   outcome.times.add(surface.times);
   outcome.warnings.insert(outcome.warnings.end(), surface.warnings.begin(), surface.warnings.end());
-  outcome.lines.insert(outcome.lines.end(), surface.lines.begin(), surface.lines.end());
-  Json& figures = outcome.figures["surface"] = std::move(surface.figures);
+  if (surface.division)
+    outcome.lines.push_back(concat("base mesh: ", surface.division->n_quads, " quads and ",
+                                   surface.division->n_triangles, " triangles, ", surface.division->n_divided,
+                                   " faces divided"));
+  Json& figures = outcome.figures["surface"] = figures_json(surface);
   if (!arguments.surface.empty()) {
     {
       const ScopedStage stage(outcome.times, "continuity");
       const ModelContinuity continuity =
-          model_continuity(model, surface.mesh, arguments.options.splits, context.progress);
+          model_continuity(model, surface.mesh, options.diffusion.splits, context.progress);
       const double diameter = model.diameter();
       figures["continuity"] = continuity_json(continuity, diameter);
       if (continuity.smooth.n_samples > 0)
@@ -231,27 +235,15 @@ void add_sketch(CLI::App& app) {
   CLI::App* command =
       add_command(app, "sketch", "Play a recorded sketching session into a model of curves and faces.",
                   "batten sketch session.jsonl -o model.batten --json", [arguments, &app](Context& context) {
-                    check_coons_arguments(*app.get_subcommand("sketch"), arguments->options.coons,
-                                          arguments->options.method, arguments->options.levels);
+                    check_model_surface_arguments(*app.get_subcommand("sketch"), arguments->model_surface);
                     return run_sketch(*arguments, context);
                   });
   command->add_option("session", arguments->session, "Session (JSON lines), or a project (.batten)")
       ->required();
   command->add_option("-o,--output", arguments->output, "Project to write: .batten")->required();
   command->add_option("--surface", arguments->surface, "Surface to write: .ply, .obj, .off or .stl");
-  command
-      ->add_option("--method", arguments->options.method,
-                   "How the surface is made: v2, by diffusion of mean curvature, v1, from Coons patches, or "
-                   "curvature, by filling the network")
-      ->check(CLI::IsMember(model_surface_methods()));
-  command->add_option("--levels", arguments->options.levels, "Levels of subdivision of the finished surface")
-      ->check(CLI::Range(0, 6));
-  command
-      ->add_option("--splits", arguments->options.splits,
-                   "v2: splits of the faces before the flow: 3 gives 16 n quads")
-      ->check(CLI::Range(1, 6));
+  add_model_surface_options(*command, arguments->model_surface);
   command->add_option("--step", arguments->step, "STEP file to write: the limit surface as B-spline patches");
-  add_coons_options(*command, arguments->options.coons);
   command->add_flag("--strict", arguments->strict, "Exit with 1 when an edit was refused");
 }
 

@@ -1,37 +1,57 @@
 #include "command.hpp"
-#include "sketch_stage.hpp"
-#include "surface_stage.hpp"
+#include "stroke_arguments.hpp"
+#include "surface_arguments.hpp"
 
 #include <memory>
+#include <string>
 
 #include "batten/io/network_io.hpp"
 
 namespace batten::cli {
 
+namespace {
+
+struct Arguments {
+  std::string input;
+  SurfaceArguments surface;
+  StrokeArguments strokes;
+};
+
+Outcome run_surface(const Arguments& arguments, const Context& context) {
+  check_surface_output(arguments.surface);
+  const NetworkSurfaceOptions options = surface_options(arguments.surface);
+  Outcome outcome;
+  CurveNetwork curves;
+  {
+    const ScopedStage stage(outcome.times, "read");
+    curves = read_network(arguments.input, &outcome.warnings);
+  }
+  // Not by curves_surface(): the network of the strokes is reported and written even where filling it fails.
+  if (curves.has_normals()) {
+    report_surface(arguments.surface, network_surface(curves, options, context.progress), curves, outcome);
+  } else {
+    const StrokeNetwork strokes = run_strokes(arguments.strokes, curves, context, outcome);
+    report_surface(arguments.surface,
+                   network_surface(strokes.network, strokes.cycles, options, context.progress),
+                   strokes.network, outcome);
+  }
+  return outcome;
+}
+
+}  // namespace
+
 void add_surface(CLI::App& app) {
-  const auto arguments = std::make_shared<SurfaceArguments>();
-  const auto sketch = std::make_shared<SketchArguments>();
-  const auto input = std::make_shared<std::string>();
+  const auto arguments = std::make_shared<Arguments>();
   CLI::App* command =
       add_command(app, "surface", "Fill a curve network, or a sketch without normals, with a fair surface.",
-                  "batten surface net.net -o surface.ply", [arguments, sketch, input](Context& context) {
-                    check_surface_output(*arguments);
-                    Outcome outcome;
-                    CurveNetwork network;
-                    {
-                      const ScopedStage stage(outcome.times, "read");
-                      network = read_network(*input, &outcome.warnings);
-                    }
-                    std::vector<NetworkCycle> cycles;
-                    if (!network.has_normals()) cycles = run_sketch_stage(*sketch, network, context, outcome);
-                    run_surface_stage(*arguments, network, context, outcome, cycles);
-                    return outcome;
-                  });
-  command->add_option("network", *input, "Network or sketch: .net, .obj, .json, .txt or .lop")->required();
-  add_surface_options(*command, *arguments);
-  add_sketch_options(*command, *sketch);
+                  "batten surface net.net -o surface.ply",
+                  [arguments](Context& context) { return run_surface(*arguments, context); });
+  command->add_option("network", arguments->input, "Network or sketch: .net, .obj, .json, .txt or .lop")
+      ->required();
+  add_surface_options(*command, arguments->surface);
+  add_stroke_options(*command, arguments->strokes);
   command
-      ->add_option("--crossings", arguments->crossings,
+      ->add_option("--crossings", arguments->surface.crossings,
                    "Without normals: patches that would cross others or fold are filled flatter, or kept")
       ->check(CLI::IsMember({"flatten", "keep"}));
 }

@@ -33,6 +33,10 @@ struct PolygonMesh {
 /// @throws InvalidInput naming the first face with fewer than three corners or an index out of range.
 TriangleMesh triangulated(const PolygonMesh& mesh);
 
+/// Two triangles of every quad, cut along the diagonal from its first corner, in the order of the quads.
+/// @pre every face has four corners.
+Triangles cut_at_first_corners(const PolygonMesh& quads);
+
 /// Length of the diagonal of the axis-aligned bounding box: "the diameter" (METHODS 0). 0 without points.
 double bounding_box_diagonal(const Points& points);
 

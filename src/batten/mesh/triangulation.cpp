@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 
 #include "batten/core/error.hpp"
+#include "batten/core/index.hpp"
 #include "batten/core/text.hpp"
 #include "batten/mesh/triangle_mesh.hpp"
 
@@ -210,6 +211,16 @@ TriangleMesh triangulated(const PolygonMesh& mesh) {
     });
   }
   return result;
+}
+
+Triangles cut_at_first_corners(const PolygonMesh& quads) {
+  Triangles triangles(2 * quads.n_faces(), 3);
+  for (Eigen::Index f = 0; f < quads.n_faces(); ++f) {
+    const int* c = &quads.corners[at(4 * f)];
+    triangles.row(2 * f) << c[0], c[1], c[2];
+    triangles.row(2 * f + 1) << c[0], c[2], c[3];
+  }
+  return triangles;
 }
 
 }  // namespace batten

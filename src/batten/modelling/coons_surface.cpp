@@ -29,10 +29,6 @@ bool follows_polylines(FinalScheme scheme) {
   return scheme != FinalScheme::CatmullClark;
 }
 
-bool ends_in_catmull_clark(FinalScheme scheme) {
-  return scheme == FinalScheme::CatmullClark || scheme == FinalScheme::NulissModCatmullClark;
-}
-
 /// A curve between two base vertices: every kPointsOfEdge-th of its samples is a vertex.
 struct Line {
   std::vector<int> vertices;  ///< m + 1

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "batten/core/choices.hpp"
 #include "batten/core/progress.hpp"
 #include "batten/core/stage_times.hpp"
 #include "batten/mesh/control_cage.hpp"
@@ -18,6 +19,17 @@ enum class FinalScheme {
   NulissMod,              ///< along the polylines; not smooth across them
   NulissModCatmullClark,  ///< one level of the one, then the other (H fig. 7.3)
 };
+
+constexpr auto choices_of(FinalScheme) {
+  return choices<FinalScheme>("scheme", {{FinalScheme::CatmullClark, "catmull-clark"},
+                                         {FinalScheme::Nuliss, "nuliss"},
+                                         {FinalScheme::NulissMod, "nulissmod"},
+                                         {FinalScheme::NulissModCatmullClark, "nulissmod+catmull-clark"}});
+}
+/// Whether the last levels are Catmull–Clark's, so that the limit surface is one of B-splines.
+constexpr bool ends_in_catmull_clark(FinalScheme scheme) {
+  return scheme == FinalScheme::CatmullClark || scheme == FinalScheme::NulissModCatmullClark;
+}
 
 /// Options of coons_surface(). The defaults are those of H 6.2, with the better search.
 struct CoonsOptions {

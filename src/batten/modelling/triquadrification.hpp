@@ -2,6 +2,7 @@
 #include <optional>
 #include <vector>
 
+#include "batten/core/choices.hpp"
 #include "batten/curves/polyline.hpp"
 #include "batten/modelling/coons.hpp"
 
@@ -17,6 +18,9 @@ enum class SplitSearch {
   /// finds no division without flaws where the first cuts spoil it.
   Greedy,
 };
+constexpr auto choices_of(SplitSearch) {
+  return choices<SplitSearch>("search", {{SplitSearch::Optimal, "optimal"}, {SplitSearch::Greedy, "greedy"}});
+}
 
 /// What a division is worth; less is better, flaws first.
 struct SplitCost {

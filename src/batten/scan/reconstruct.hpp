@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "batten/core/choices.hpp"
 #include "batten/core/progress.hpp"
 #include "batten/core/stage_times.hpp"
 #include "batten/core/units.hpp"
@@ -28,12 +29,20 @@ enum class IntegrationScheme {
   Midpoint,  ///< turning frames (StepRule::ConstantRate), first-difference form: second order, O(N)
   Thesis,    ///< S (3.32): tangents at the samples, second-difference form: first order
 };
+constexpr auto choices_of(IntegrationScheme) {
+  return choices<IntegrationScheme>(
+      "scheme", {{IntegrationScheme::Midpoint, "midpoint"}, {IntegrationScheme::Thesis, "thesis"}});
+}
 
 /// What the distances of the readings are worth.
 enum class LengthChoice {
   Measured,   ///< right up to the error of an odometer
   Estimated,  ///< each curve's right up to one unknown factor: the factors are found from closure
 };
+constexpr auto choices_of(LengthChoice) {
+  return choices<LengthChoice>(
+      "choice of lengths", {{LengthChoice::Measured, "measured"}, {LengthChoice::Estimated, "estimated"}});
+}
 
 /// Options of network_from_scan(). The defaults are those of `batten network`.
 struct ScanOptions {

@@ -1,6 +1,7 @@
 #pragma once
 #include <vector>
 
+#include "batten/core/choices.hpp"
 #include "batten/core/progress.hpp"
 #include "batten/core/stage_times.hpp"
 #include "batten/scan/samples.hpp"
@@ -15,6 +16,10 @@ enum class RegressionEnergy {
   /// smooth as much at every resolution, size and unit (METHODS 3).
   Scaled,
 };
+constexpr auto choices_of(RegressionEnergy) {
+  return choices<RegressionEnergy>(
+      "energy", {{RegressionEnergy::Scaled, "scaled"}, {RegressionEnergy::Thesis, "thesis"}});
+}
 
 /// Options of regress_frames().
 struct RegressionOptions {

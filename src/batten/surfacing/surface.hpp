@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "batten/core/choices.hpp"
 #include "batten/core/progress.hpp"
 #include "batten/core/stage_times.hpp"
 #include "batten/mesh/triangle_mesh.hpp"
@@ -19,9 +20,20 @@ enum class SurfaceMethod {
   Triharmonic,        ///< baseline L³X = 0
   BiharmonicNormals,  ///< baseline (4.27): biharmonic with prescribed normals
 };
+constexpr auto choices_of(SurfaceMethod) {
+  return choices<SurfaceMethod>("method", {{SurfaceMethod::Curvature, "curvature"},
+                                           {SurfaceMethod::Harmonic, "harmonic"},
+                                           {SurfaceMethod::Biharmonic, "biharmonic"},
+                                           {SurfaceMethod::Triharmonic, "triharmonic"},
+                                           {SurfaceMethod::BiharmonicNormals, "biharmonic-normals"}});
+}
 
 /// How the boundary of a patch is laid out in the plane before it is triangulated (S fig. 4.11).
 enum class PatchMap { Plane, Circle, Polygon };
+constexpr auto choices_of(PatchMap) {
+  return choices<PatchMap>(
+      "map", {{PatchMap::Plane, "plane"}, {PatchMap::Circle, "circle"}, {PatchMap::Polygon, "polygon"}});
+}
 
 /// Options of surface_network(). The defaults are those of the acceptance tests: one set for all networks.
 struct SurfaceOptions {

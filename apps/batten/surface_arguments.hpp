@@ -2,9 +2,9 @@
 #include "command.hpp"
 
 #include <string>
-#include <vector>
 
 #include "batten/network/curve_network.hpp"
+#include "batten/pipeline/network_surface.hpp"
 
 namespace batten::cli {
 
@@ -12,7 +12,7 @@ namespace batten::cli {
 struct SurfaceArguments {
   std::string output, rebuilds = "auto", method = "curvature", constraints = "hard", map = "plane";
   std::string edge_length = "auto";
-  std::string crossings = "flatten";  ///< or keep; of sketches alone
+  std::string crossings = "flatten";  ///< or keep; of stroke sets alone
   double soft_weight = 1;
   int base_order = 2;
 };
@@ -23,10 +23,11 @@ void add_surface_options(CLI::App& command, SurfaceArguments& arguments);
 /// Fails where the output cannot be written as a mesh, before any work is done.
 void check_surface_output(const SurfaceArguments& arguments);
 
-/// Fills the network, checks the mesh and writes it. Figures, lines, warnings, times and the exhibit go to
-/// `outcome`.
-/// @param cycles the patches where they are known; empty: they are found from the normals.
-void run_surface_stage(const SurfaceArguments& arguments, const CurveNetwork& network, const Context& context,
-                       Outcome& outcome, const std::vector<NetworkCycle>& cycles = {});
+/// @throws InvalidInput on values that do not parse.
+NetworkSurfaceOptions surface_options(const SurfaceArguments& arguments);
+
+/// Writes the surface of `network` and adds figures, lines, warnings, times and the exhibit.
+void report_surface(const SurfaceArguments& arguments, NetworkSurface surface, const CurveNetwork& network,
+                    Outcome& outcome);
 
 }  // namespace batten::cli

@@ -1,12 +1,14 @@
 #pragma once
-#include "command.hpp"
-
 #include <string>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
+#include "batten/core/progress.hpp"
+#include "batten/core/stage_times.hpp"
 #include "batten/report/report.hpp"
 
-namespace batten::cli {
+namespace batten::experiments {
 
 /// The tables of H that can be repeated: "2.2" fairing, "2.3" remeshing, "2.4" and "2.5" simplification.
 const std::vector<std::string>& thesis_h_tables();
@@ -15,8 +17,9 @@ const std::vector<std::string>& thesis_h_tables();
 struct ThesisTables {
   std::vector<ReportGrid> grids;
   std::vector<ReportPicture> pictures;
-  Json tables = Json::object();  ///< per table a list of rows: what H prints and what was measured
-  Json meshes = Json::object();  ///< per mesh at hand its file and counts
+  nlohmann::ordered_json tables =
+      nlohmann::ordered_json::object();  ///< per table a list of rows: what H prints and what was measured
+  nlohmann::ordered_json meshes = nlohmann::ordered_json::object();  ///< per mesh at hand its file and counts
   std::vector<std::string> missing;
   std::vector<std::string> warnings;
   StageTimes times;
@@ -31,4 +34,4 @@ struct ThesisTables {
 ThesisTables thesis_h(const std::string& folder, const std::vector<std::string>& tables, bool pictures,
                       const Progress& progress);
 
-}  // namespace batten::cli
+}  // namespace batten::experiments

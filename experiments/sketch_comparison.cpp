@@ -1,6 +1,6 @@
 #include "sketch_comparison.hpp"
 
-#include "sketch_networks.hpp"
+#include "example_models.hpp"
 
 #include <algorithm>
 #include <cstdio>
@@ -14,7 +14,7 @@
 #include "batten/session/journal.hpp"
 #include "batten/sketch/stroke.hpp"
 
-namespace batten::cli {
+namespace batten::experiments {
 
 namespace {
 
@@ -25,7 +25,7 @@ std::string number(double value, const char* format) {
 }
 
 /// The model that a session ends with; refused edits are told.
-SketchNetwork play(const std::filesystem::path& path, std::vector<std::string>& warnings) {
+ExampleModel play(const std::filesystem::path& path, std::vector<std::string>& warnings) {
   const Session session = read_session(path.string());
   Document document;
   for (const SessionEdit& edit : session.edits) {
@@ -41,13 +41,13 @@ SketchNetwork play(const std::filesystem::path& path, std::vector<std::string>& 
 /// Every model there is, by name: networks first, then sessions. They are made when they are asked for.
 std::vector<std::pair<std::string, std::filesystem::path>> models_of(const std::string& folder) {
   std::vector<std::pair<std::string, std::filesystem::path>> models;
-  for (const std::string& name : sketch_network_names()) models.emplace_back(name, "");
+  for (const std::string& name : example_model_names()) models.emplace_back(name, "");
   std::vector<std::filesystem::path> sessions;
   if (!folder.empty())
     for (const auto& entry : std::filesystem::directory_iterator(folder))
       if (entry.path().extension() == ".jsonl") sessions.push_back(entry.path());
   std::sort(sessions.begin(), sessions.end());
-  const auto& networks = sketch_network_names();
+  const auto& networks = example_model_names();
   for (const auto& path : sessions)
     if (std::find(networks.begin(), networks.end(), path.stem().string()) == networks.end())
       models.emplace_back(path.stem().string(), path);
@@ -65,7 +65,7 @@ class Comparison {
         "fitted on "
         "either side of the smooth drawn curves, but for the ends of edges where a sharp curve begins or the "
         "curves do not lie in a plane; these count as corners, with the first and last piece in ",
-        1 << options.surface.splits,
+        1 << options.surface.diffusion.splits,
         " of an edge. Sharp: the mean angle across sharp curves. Curvature: jump of the normal curvature "
         "across the smooth curves times the diameter. Faces: triangles measured. – : nothing to measure.");
     grid.columns = {"model",       "method",         "deviation mean, %",
@@ -75,16 +75,11 @@ class Comparison {
                     "remark"};
   }
 
-  void run(const SketchNetwork& network) {
-    const SketchCounts counts = network.model.counts();
-    Json entry = {{"model", network.name},
-                  {"curves", counts.curves},
-                  {"faces", counts.faces},
-                  {"genus", counts.genus},
-                  {"methods", Json::object()}};
-    for (const std::string& method : options_.methods) {
-      progress_.report(concat(network.name, " by ", method), 0);
-      entry["methods"][method] = measured(network, method);
+  void run(const ExampleModel& network) {
+    ComparedModel entry{network.name, network.model.counts(), {}};
+    for (const ModelSurfaceMethod method : options_.methods) {
+      progress_.report(concat(network.name, " by ", word_of(method)), 0);
+      entry.surfaces.push_back(measured(network, method));
     }
     result.models.push_back(std::move(entry));
   }
@@ -92,23 +87,27 @@ class Comparison {
   SketchComparison result;
 
  private:
-  Json measured(const SketchNetwork& network, const std::string& method) {
+  MeasuredSurface measured(const ExampleModel& network, ModelSurfaceMethod method) {
     const PolylineMesh& model = network.model;
     ModelSurfaceOptions options = options_.surface;
     options.method = method;
-    const auto refuse = [&](const std::string& reason) -> Json {
+    const std::string word(word_of(method));
+    MeasuredSurface found;
+    found.method = method;
+    const auto refuse = [&](const std::string& reason) {
       std::vector<std::string> row(result.grid.columns.size());
       row[0] = network.name;
-      row[1] = method;
+      row[1] = word;
       row.back() = concat("refused: ", reason);
       result.grid.rows.push_back(std::move(row));
-      return {{"refused", reason}};
+      found.refusal = reason;
+      return found;
     };
     ModelSurface surface;
     StageTimes clock;
     try {
-      const ScopedStage timed(clock, method);
-      surface = make_model_surface(model, options, true, progress_);
+      const ScopedStage timed(clock, word);
+      surface = model_surface(model, options, progress_);
     } catch (const Cancelled&) {
       throw;
     } catch (const Error& error) {
@@ -121,14 +120,13 @@ class Comparison {
     ModelContinuity continuity;
     {
       const ScopedStage timed(result.times, "continuity");
-      continuity = model_continuity(model, mesh, options.splits, progress_);
+      continuity = model_continuity(model, mesh, options.diffusion.splits, progress_);
     }
-    Json json = std::move(surface.figures);
-    json["vertices"] = mesh.n_vertices();
-    json["faces"] = mesh.n_triangles();
-    json["seconds"] = clock.total();
-    json["warnings"] = surface.warnings;
-    std::vector<std::string> row = {network.name, method, "–", "–"};
+    found.n_vertices = mesh.n_vertices();
+    found.n_triangles = mesh.n_triangles();
+    found.seconds = clock.total();
+    found.diameter = diameter;
+    std::vector<std::string> row = {network.name, word, "–", "–"};
     Eigen::VectorXd errors;
     if (network.truth) {
       errors.resize(mesh.n_vertices());
@@ -136,13 +134,10 @@ class Comparison {
         errors[v] = network.truth(mesh.positions.row(v)) / diameter;
       const Eigen::VectorXd areas = lumped_mass(mesh.positions, mesh.triangles);
       const double mean = areas.dot(errors) / areas.sum();
-      json["deviation"] = {{"mean", mean}, {"max", errors.maxCoeff()}};
+      found.deviation = MeasuredSurface::Deviation{mean, errors.maxCoeff()};
       row[2] = number(100 * mean, "%.4f");
       row[3] = number(100 * errors.maxCoeff(), "%.3f");
-    } else {
-      json["deviation"] = nullptr;
     }
-    json["continuity"] = continuity_json(continuity, diameter);
     const auto angle = [](const CurveContinuity& figures, double value) {
       return figures.n_samples > 0 ? number(degrees(value), "%.2f") + "°" : "–";
     };
@@ -158,11 +153,15 @@ class Comparison {
     row.push_back(number(clock.total(), "%.2f"));
     row.emplace_back(surface.warnings.empty() ? "" : surface.warnings.front());
     result.grid.rows.push_back(std::move(row));
-    if (options_.pictures) draw(network, method, mesh, errors, continuity);
-    return json;
+    if (options_.pictures) draw(network, word, mesh, errors, continuity);
+    surface.mesh = {};
+    surface.cage = {};
+    found.surface = std::move(surface);
+    found.continuity = std::move(continuity);
+    return found;
   }
 
-  void draw(const SketchNetwork& network, const std::string& method, const TriangleMesh& mesh,
+  void draw(const ExampleModel& network, const std::string& method, const TriangleMesh& mesh,
             const Eigen::VectorXd& errors, const ModelContinuity& continuity) {
     const ScopedStage timed(result.times, "draw");
     Subject subject{.mesh = &mesh};
@@ -203,9 +202,9 @@ SketchComparison compare_sketch_surfaces(const std::string& folder, const Sketch
     if (!options.models.empty() &&
         std::find(options.models.begin(), options.models.end(), name) == options.models.end())
       continue;
-    comparison.run(path.empty() ? sketch_network_of(name) : play(path, comparison.result.warnings));
+    comparison.run(path.empty() ? example_model(name) : play(path, comparison.result.warnings));
   }
   return std::move(comparison.result);
 }
 
-}  // namespace batten::cli
+}  // namespace batten::experiments

@@ -23,9 +23,11 @@
 #include "batten/render/render.hpp"
 #include "batten/simplification/simplify.hpp"
 
-namespace batten::cli {
+namespace batten::experiments {
 
 namespace {
+
+using Json = nlohmann::ordered_json;
 
 /// H Table 2.1: counts and volumes of the meshes, and the noise c1, c2 of (2.36) put on them.
 struct MeshData {
@@ -484,4 +486,4 @@ ThesisTables thesis_h(const std::string& folder, const std::vector<std::string>&
   return experiments.take();
 }
 
-}  // namespace batten::cli
+}  // namespace batten::experiments

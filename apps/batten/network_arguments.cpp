@@ -1,4 +1,4 @@
-#include "network_stage.hpp"
+#include "network_arguments.hpp"
 
 #include <string>
 #include <utility>
@@ -42,20 +42,23 @@ void parse_weights(const std::string& text, ScanOptions& options) {
     throw InvalidInput("the weights LAMBDA,MU must be at least 0, got " + text);
 }
 
-ScanOptions options_of(const NetworkArguments& arguments) {
+}  // namespace
+
+ScanOptions scan_options(const NetworkArguments& arguments) {
   ScanOptions options;
   parse_step(arguments.step, options);
   parse_weights(arguments.weights, options);
-  options.energy = arguments.energy == "thesis" ? RegressionEnergy::Thesis : RegressionEnergy::Scaled;
+  options.energy = parse_choice<RegressionEnergy>(arguments.energy);
   options.xi = arguments.xi;
   options.robust = arguments.robust == "on";
-  options.scheme = arguments.scheme == "thesis" ? IntegrationScheme::Thesis : IntegrationScheme::Midpoint;
-  options.lengths = arguments.lengths == "estimated" ? LengthChoice::Estimated : LengthChoice::Measured;
+  options.scheme = parse_choice<IntegrationScheme>(arguments.scheme);
+  options.lengths = parse_choice<LengthChoice>(arguments.lengths);
   if (const auto problem = options.problem()) throw CLI::ValidationError(*problem);
   return options;
 }
 
 Scan read_network_scan(const NetworkArguments& arguments, Outcome& outcome) {
+  const ScopedStage stage(outcome.times, "read");
   LogScanOptions options;
   if (!arguments.calibration.empty()) options.calibration = read_calibration(arguments.calibration);
   LogScan read = read_scan(arguments.input, options);
@@ -63,20 +66,15 @@ Scan read_network_scan(const NetworkArguments& arguments, Outcome& outcome) {
   return std::move(read.scan);
 }
 
-}  // namespace
+void check_network_output(const NetworkArguments& arguments) {
+  if (!arguments.output.empty()) network_format(arguments.output);
+}
 
-ScanNetwork run_network_stage(const NetworkArguments& arguments, const Context& context, Outcome& outcome) {
-  const ScanOptions options = options_of(arguments);
-  const bool writes = !arguments.output.empty();
-  if (writes) network_format(arguments.output);  // a wrong extension is told before the work
-  const Scan scan = [&] {
-    const ScopedStage stage(outcome.times, "read");
-    return read_network_scan(arguments, outcome);
-  }();
-  ScanNetwork result = network_from_scan(scan, options, context.progress);
+void report_network(const NetworkArguments& arguments, const ScanNetwork& result, Outcome& outcome) {
   const ScanReport& report = result.report;
   outcome.times.add(report.times);
   for (const std::string& warning : report.warnings) outcome.warnings.push_back(warning);
+  const bool writes = !arguments.output.empty();
   if (writes) {
     const ScopedStage stage(outcome.times, "write");
     write_network(arguments.output, result.network);
@@ -137,7 +135,6 @@ ScanNetwork run_network_stage(const NetworkArguments& arguments, const Context& 
   outcome.lines.push_back(concat("closure misfit ", report.closure_misfit_before, " unfiltered, ",
                                  report.closure_misfit, " now"));
   outcome.exhibit.network = result.network;
-  return result;
 }
 
 void add_network_options(CLI::App& command, NetworkArguments& arguments) {
@@ -164,18 +161,18 @@ void add_network_options(CLI::App& command, NetworkArguments& arguments) {
   command
       .add_option("--energy", arguments.energy,
                   "Form of the smoothing energy: free of resolution and unit, or as printed")
-      ->check(CLI::IsMember({"scaled", "thesis"}));
+      ->check(CLI::IsMember(choice_words<RegressionEnergy>()));
   command.add_option("--xi", arguments.xi, "Weight of equal normals at nodes")->check(CLI::NonNegativeNumber);
   command.add_option("--robust", arguments.robust, "Distrust outliers and disturbed pieces")
       ->check(CLI::IsMember({"on", "off"}));
   command
       .add_option("--scheme", arguments.scheme,
                   "Integration: second order, or the first-order one of the thesis")
-      ->check(CLI::IsMember({"midpoint", "thesis"}));
+      ->check(CLI::IsMember(choice_words<IntegrationScheme>()));
   command
       .add_option("--lengths", arguments.lengths,
                   "measured, or estimated: right up to one factor per curve, which closure tells")
-      ->check(CLI::IsMember({"measured", "estimated"}));
+      ->check(CLI::IsMember(choice_words<LengthChoice>()));
 }
 
 }  // namespace batten::cli

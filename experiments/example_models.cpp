@@ -1,4 +1,4 @@
-#include "sketch_networks.hpp"
+#include "example_models.hpp"
 
 #include <array>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include "batten/core/units.hpp"
 #include "batten/sketch/tools.hpp"
 
-namespace batten::cli {
+namespace batten::experiments {
 
 namespace {
 
@@ -114,12 +114,12 @@ double distance_from_box(const Vector3d& p) {
 
 }  // namespace
 
-const std::vector<std::string>& sketch_network_names() {
+const std::vector<std::string>& example_model_names() {
   static const std::vector<std::string> names = {"sphere", "ellipsoid", "cylinder", "torus", "box"};
   return names;
 }
 
-SketchNetwork sketch_network_of(const std::string& name) {
+ExampleModel example_model(const std::string& name) {
   const Vector3d x = Vector3d::UnitX(), y = Vector3d::UnitY(), z = Vector3d::UnitZ();
   if (name == "sphere")
     return {name, ellipsoid(x, y, z), [](const Vector3d& p) { return std::abs(p.norm() - 1); }};
@@ -140,4 +140,4 @@ SketchNetwork sketch_network_of(const std::string& name) {
   return {name, box(), distance_from_box};
 }
 
-}  // namespace batten::cli
+}  // namespace batten::experiments

@@ -1,0 +1,34 @@
+#pragma once
+#include "command.hpp"
+
+#include <string>
+
+#include "batten/scan/reconstruct.hpp"
+#include "batten/scan/scan.hpp"
+
+namespace batten::cli {
+
+/// The way from a scan to a network, as `network` and `reconstruct` share it.
+struct NetworkArguments {
+  std::string input, output, calibration;
+  std::string step = "1.6%", weights = "auto", energy = "scaled", robust = "on", scheme = "midpoint",
+              lengths = "measured";
+  double xi = 10000;
+};
+
+/// Adds the scan and every option but the outputs.
+void add_network_options(CLI::App& command, NetworkArguments& arguments);
+
+/// @throws CLI::ValidationError, InvalidInput on values that do not go together or do not parse.
+ScanOptions scan_options(const NetworkArguments& arguments);
+
+/// Reads the scan, with its calibration where one is given. Warnings and time go to `outcome`.
+Scan read_network_scan(const NetworkArguments& arguments, Outcome& outcome);
+
+/// Writes the network where `output` is not empty, and adds figures, lines, warnings, times and the exhibit.
+void report_network(const NetworkArguments& arguments, const ScanNetwork& network, Outcome& outcome);
+
+/// Fails where the output cannot be written as a network, before any work is done.
+void check_network_output(const NetworkArguments& arguments);
+
+}  // namespace batten::cli

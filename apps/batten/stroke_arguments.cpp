@@ -1,0 +1,92 @@
+#include "stroke_arguments.hpp"
+
+#include "batten/core/error.hpp"
+#include "batten/core/text.hpp"
+#include "batten/core/units.hpp"
+#include "batten/io/network_io.hpp"
+
+namespace batten::cli {
+
+namespace {
+
+Json finding_json(const NetworkFinding& finding) {
+  Json entry = {{"defect", defect_name(finding.defect)}, {"sentence", finding.sentence}};
+  if (finding.curve >= 0) entry["stroke"] = finding.curve;
+  if (finding.other_curve >= 0) entry["other_stroke"] = finding.other_curve;
+  entry["position"] = {finding.position.x(), finding.position.y(), finding.position.z()};
+  entry["distance"] = finding.distance;
+  return entry;
+}
+
+}  // namespace
+
+StrokeNetworkOptions stroke_options(const StrokeArguments& arguments) {
+  StrokeNetworkOptions options;
+  if (arguments.weld != "auto") options.weld = parse_length(arguments.weld);
+  options.reach = arguments.reach == "none" ? Length{} : parse_length(arguments.reach);
+  options.step = arguments.step == "none" ? Length{} : parse_length(arguments.step);
+  return options;
+}
+
+void report_strokes(const StrokeNetwork& strokes, Outcome& outcome) {
+  Json& figures = outcome.figures;
+  figures["strokes"] = strokes.n_strokes;
+  figures["dangling_ends"] = strokes.n_dangling_ends;
+  figures["near_misses"] = strokes.n_near_misses;
+  figures["open_crossings"] = strokes.n_open_crossings;
+  figures["overdrawn"] = strokes.n_overdrawn;
+  figures["extended_ends"] = strokes.n_extended_ends;
+  figures["left_out"] = strokes.n_left_out;
+  figures["weld_tolerance"] = strokes.weld_tolerance;
+  figures["doubtful_places"] = strokes.n_doubtful_places;
+  outcome.lines.push_back(concat("sketch: ", strokes.n_strokes, " strokes, ", strokes.n_dangling_ends,
+                                 " dangling ends, ", strokes.n_near_misses, " near misses; ",
+                                 strokes.n_overdrawn, " pieces drawn twice, ", strokes.n_extended_ends,
+                                 " ends extended, ", strokes.n_left_out, " pieces left out, welded within ",
+                                 100 * strokes.weld_tolerance / strokes.diameter, " % of the diameter"));
+  outcome.warnings.insert(outcome.warnings.end(), strokes.warnings.begin(), strokes.warnings.end());
+  outcome.times.add(strokes.times);
+}
+
+StrokeNetwork run_strokes(const StrokeArguments& arguments, const CurveNetwork& strokes,
+                          const Context& context, Outcome& outcome) {
+  if (!arguments.network.empty()) network_format(arguments.network);  // before any work is done
+  StrokeNetwork result = network_of_strokes(strokes, stroke_options(arguments), context.progress);
+  report_strokes(result, outcome);
+  Json diagnosis = Json::array();
+  for (const NetworkFinding& finding : result.findings) {
+    if (!is_notable(finding)) continue;
+    diagnosis.push_back(finding_json(finding));
+    outcome.lines.push_back(concat("- ", defect_name(finding.defect), ": ", finding.sentence));
+  }
+  outcome.figures["diagnosis"] = diagnosis;
+  if (!arguments.network.empty()) write_network(arguments.network, result.network);
+  return result;
+}
+
+void add_stroke_options(CLI::App& command, StrokeArguments& arguments) {
+  // The word that stands for no length, and the least that is refused.
+  const auto length = [](const char* name, const char* word, bool zero) {
+    return parses("LENGTH", [name, word, zero](const std::string& text) {
+      if (text == word) return;
+      const double value = parse_length(text).value;
+      if (!(value > 0) && !(zero && value == 0))
+        throw InvalidInput(concat(name, " must be positive: ", text));
+    });
+  };
+  command
+      .add_option(
+          "--weld", arguments.weld,
+          "Without normals: strokes this near meet (0.5%, 2mm, 0.01); auto: what gives the simplest surface")
+      ->check(length("--weld", "auto", false));
+  command.add_option("--reach", arguments.reach, "Without normals: ends are extended to a stroke this near")
+      ->check(length("--reach", "none", true));
+  command
+      .add_option("--step", arguments.step,
+                  "Without normals: distance of samples on the cleaned curves, or none for those of the file")
+      ->check(length("--step", "none", false));
+  command.add_option("--write-network", arguments.network,
+                     "Without normals: write the network that the sketch became: .net, .obj or .json");
+}
+
+}  // namespace batten::cli

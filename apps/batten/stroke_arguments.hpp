@@ -1,0 +1,30 @@
+#pragma once
+#include "command.hpp"
+
+#include <string>
+
+#include "batten/network/curve_network.hpp"
+#include "batten/pipeline/stroke_network.hpp"
+
+namespace batten::cli {
+
+/// The way from curves without normals to a network with patches, as `surface` goes it.
+struct StrokeArguments {
+  std::string weld = "auto", reach = "3%", step = "1.5%", network;
+};
+
+/// Adds the options; they apply to networks without normals only.
+void add_stroke_options(CLI::App& command, StrokeArguments& arguments);
+
+/// @throws InvalidInput on values that do not parse.
+StrokeNetworkOptions stroke_options(const StrokeArguments& arguments);
+
+/// Adds what the strokes amount to: counts of strokes, dangling ends, near misses and of what was mended, a
+/// line of them, warnings and times.
+void report_strokes(const StrokeNetwork& strokes, Outcome& outcome);
+
+/// Makes a network of strokes, reports it with its diagnosis, and writes it where `network` is not empty.
+StrokeNetwork run_strokes(const StrokeArguments& arguments, const CurveNetwork& strokes,
+                          const Context& context, Outcome& outcome);
+
+}  // namespace batten::cli

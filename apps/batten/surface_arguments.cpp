@@ -1,0 +1,123 @@
+#include "surface_arguments.hpp"
+
+#include <string>
+
+#include "batten/core/error.hpp"
+#include "batten/core/text.hpp"
+#include "batten/core/units.hpp"
+#include "batten/io/file.hpp"
+#include "batten/io/mesh_io.hpp"
+
+namespace batten::cli {
+
+namespace {
+
+int parse_rebuilds(const std::string& text) {
+  long value = 0;
+  if (text == "auto") return -1;
+  if (!parse_integer(text, value) || value < 0 || value > 20)
+    throw InvalidInput("--rebuilds takes auto or 0 to 20, got " + text);
+  return static_cast<int>(value);
+}
+
+}  // namespace
+
+void check_surface_output(const SurfaceArguments& arguments) {
+  mesh_format(arguments.output);
+}
+
+NetworkSurfaceOptions surface_options(const SurfaceArguments& arguments) {
+  NetworkSurfaceOptions options;
+  options.surface.rebuilds = parse_rebuilds(arguments.rebuilds);
+  options.surface.method = parse_choice<SurfaceMethod>(arguments.method);
+  options.surface.map = parse_choice<PatchMap>(arguments.map);
+  options.surface.soft_constraints = arguments.constraints == "soft";
+  options.surface.soft_weight = arguments.soft_weight;
+  options.surface.base_order = arguments.base_order;
+  if (arguments.edge_length != "auto") options.edge_length = parse_length(arguments.edge_length);
+  options.flatten_crossings = arguments.crossings == "flatten";
+  return options;
+}
+
+void report_surface(const SurfaceArguments& arguments, NetworkSurface surface, const CurveNetwork& network,
+                    Outcome& outcome) {
+  outcome.times.add(surface.times);
+  outcome.warnings.insert(outcome.warnings.end(), surface.warnings.begin(), surface.warnings.end());
+  {
+    const ScopedStage stage(outcome.times, "write");
+    write_mesh(arguments.output, surface.mesh);
+  }
+  const MeshTopology& topology = surface.topology;
+  const MeshQuality& quality = surface.quality;
+  const auto genus = topology.genus();
+  Json& figures = outcome.figures;
+  figures["curves"] = surface.n_curves;
+  figures["nodes"] = surface.n_nodes;
+  figures["segments"] = surface.n_segments;
+  figures["cycles"] = surface.n_cycles;
+  figures["components"] = topology.n_components;
+  figures["boundary_loops"] = topology.n_boundary_loops;
+  figures["vertices"] = topology.n_vertices;
+  figures["faces"] = topology.n_triangles;
+  figures["genus"] = genus ? Json(*genus) : Json(nullptr);
+  figures["euler_characteristic"] = topology.euler_characteristic;
+  figures["watertight"] = topology.is_watertight();
+  figures["diameter"] = surface.diameter;
+  figures["method"] = arguments.method;
+  figures["rebuilds"] = surface.rebuilds;
+  figures["last_move"] = surface.last_move;
+  figures["patches_in_space"] = surface.patches_in_space;
+  if (surface.flattening) figures["flattened_patches"] = surface.flattening->patches.size();
+  figures["folded_faces"] = surface.folded_triangles;
+  figures["degenerate_faces"] = surface.degenerate_triangles;
+  figures["self_intersections"] = surface.crossing_pairs;
+  figures["min_angle_deg"] = degrees(quality.min_angle);
+  figures["mean_edge"] = quality.mean_edge;
+  figures["output"] = arguments.output;
+
+  outcome.lines.push_back(concat(arguments.output, ": ", topology.n_vertices, " vertices, ",
+                                 topology.n_triangles, " triangles over ", surface.n_cycles, " patches"));
+  outcome.lines.push_back(topology.n_boundary_loops == 0
+                              ? concat("closed surface of genus ", genus.value_or(0))
+                              : concat("open surface with ", topology.n_boundary_loops, " boundary loops"));
+  outcome.lines.push_back(concat(surface.rebuilds, " rebuilds of the Laplacian; smallest angle ",
+                                 degrees(quality.min_angle), " degrees; ", surface.folded_triangles,
+                                 " folded, ", surface.degenerate_triangles, " degenerate, ",
+                                 surface.crossing_pairs, " crossing triangles"));
+  outcome.exhibit.network = network;
+  outcome.exhibit.mesh = std::move(surface.mesh);
+}
+
+void add_surface_options(CLI::App& command, SurfaceArguments& arguments) {
+  command.add_option("-o,--output", arguments.output, "Mesh to write: .ply, .obj, .off or .stl")->required();
+  command
+      .add_option("--rebuilds", arguments.rebuilds,
+                  "Rebuilds of the Laplacian from the solved mesh: auto, or 0 to 20")
+      ->check(parses("auto|NUMBER", [](const std::string& text) { parse_rebuilds(text); }));
+  command
+      .add_option("--method", arguments.method,
+                  "curvature (default), or a baseline: harmonic, biharmonic, triharmonic, biharmonic-normals")
+      ->check(CLI::IsMember(choice_words<SurfaceMethod>()));
+  command
+      .add_option("--constraints", arguments.constraints,
+                  "hard: through the curves exactly; soft: near them, for noisy curves")
+      ->check(CLI::IsMember({"hard", "soft"}));
+  command.add_option("--soft-weight", arguments.soft_weight, "Weight of soft constraints; no unit")
+      ->check(CLI::PositiveNumber);
+  command.add_option("--map", arguments.map, "Plane layout of patches: plane, circle, polygon")
+      ->check(CLI::IsMember(choice_words<PatchMap>()));
+  command
+      .add_option("--base-order", arguments.base_order,
+                  "Power of the Laplacian of the base geometry: 1, 2, 3")
+      ->check(CLI::Range(1, 3));
+  command
+      .add_option(
+          "--edge-length", arguments.edge_length,
+          "Length of edges inside patches (2mm, 0.05, 1.5%); auto: 0.71 of the mean edge of the curves")
+      ->check(parses("auto|LENGTH", [](const std::string& text) {
+        if (text != "auto" && parse_length(text).value <= 0)
+          throw InvalidInput("--edge-length must be positive: " + text);
+      }));
+}
+
+}  // namespace batten::cli

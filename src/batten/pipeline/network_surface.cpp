@@ -1,0 +1,110 @@
+#include "batten/pipeline/network_surface.hpp"
+
+#include <cmath>
+#include <utility>
+
+#include "batten/core/error.hpp"
+#include "batten/core/index.hpp"
+#include "batten/core/text.hpp"
+#include "batten/mesh/self_intersections.hpp"
+
+namespace batten {
+
+namespace {
+
+/// The mesh without vertices that no triangle uses (samples of the network that lie on no curve).
+TriangleMesh without_loose_vertices(TriangleMesh mesh) {
+  std::vector<int> number(at(mesh.n_vertices()), -1);
+  for (Eigen::Index f = 0; f < mesh.n_triangles(); ++f)
+    for (int k = 0; k < 3; ++k) number[at(mesh.triangles(f, k))] = 0;
+  int n = 0;
+  for (int& v : number)
+    if (v == 0) v = n++;
+  if (n == mesh.n_vertices()) return mesh;
+  TriangleMesh packed;
+  packed.positions.resize(n, 3);
+  packed.normals.resize(n, 3);
+  for (std::size_t v = 0; v < number.size(); ++v)
+    if (number[v] >= 0) {
+      packed.positions.row(number[v]) = mesh.positions.row(static_cast<Eigen::Index>(v));
+      packed.normals.row(number[v]) = mesh.normals.row(static_cast<Eigen::Index>(v));
+    }
+  packed.triangles = mesh.triangles.unaryExpr([&](int v) { return number[at(v)]; });
+  return packed;
+}
+
+SurfaceOptions surface_options(const NetworkSurfaceOptions& options, double diameter) {
+  if (const auto problem = options.problem()) throw InvalidInput(*problem);
+  SurfaceOptions surface = options.surface;
+  if (options.edge_length) surface.edge_length = options.edge_length->in_file_units(diameter);
+  return surface;
+}
+
+NetworkSurface checked(SurfaceResult surface, const CurveNetwork& network) {
+  NetworkSurface result;
+  result.times = std::move(surface.times);
+  result.warnings = std::move(surface.warnings);
+  result.n_cycles = surface.n_cycles;
+  result.rebuilds = surface.rebuilds;
+  result.last_move = surface.last_move;
+  result.patches_in_space = surface.patches_in_space;
+  result.folded_triangles = surface.folded_triangles;
+  result.degenerate_triangles = surface.degenerate_triangles;
+  result.mesh = without_loose_vertices(std::move(surface.mesh));
+  {
+    const ScopedStage stage(result.times, "check");
+    result.topology = mesh_topology(result.mesh.triangles, result.mesh.n_vertices());
+    result.quality = mesh_quality(result.mesh.positions, result.mesh.triangles);
+    result.crossing_pairs = self_intersections(result.mesh.positions, result.mesh.triangles).size();
+  }
+  if (result.crossing_pairs > 0)
+    result.warnings.push_back(concat("the surface crosses itself at ", result.crossing_pairs,
+                                     " pairs of triangles; see whether its curves do, or add a curve there"));
+  const NetworkTopology topology = network_topology(network);
+  result.n_curves = network.curves.size();
+  result.n_nodes = topology.nodes.size();
+  result.n_segments = topology.segments.size();
+  result.diameter = bounding_box_diagonal(network.positions);
+  return result;
+}
+
+}  // namespace
+
+std::optional<std::string> NetworkSurfaceOptions::problem() const {
+  if (edge_length && !(edge_length->value > 0 && std::isfinite(edge_length->value)))
+    return concat("edge_length must be positive, got ", edge_length->value);
+  return surface.problem();
+}
+
+NetworkSurface network_surface(const CurveNetwork& network, const NetworkSurfaceOptions& options,
+                               const Progress& progress) {
+  const SurfaceOptions surface = surface_options(options, bounding_box_diagonal(network.positions));
+  return checked(surface_network(network, surface, progress), network);
+}
+
+NetworkSurface network_surface(const CurveNetwork& network, const std::vector<NetworkCycle>& cycles,
+                               const NetworkSurfaceOptions& options, const Progress& progress) {
+  const SurfaceOptions surface = surface_options(options, bounding_box_diagonal(network.positions));
+  SurfaceResult filled = surface_network(network, cycles, surface, progress);
+  FlatteningReport flattening;
+  if (options.flatten_crossings) flattening = flatten_crossing_patches(filled, progress);
+  NetworkSurface result = checked(std::move(filled), network);
+  result.flattening = std::move(flattening);
+  return result;
+}
+
+CurvesSurface curves_surface(const CurveNetwork& curves, const StrokeNetworkOptions& strokes,
+                             const NetworkSurfaceOptions& options, const Progress& progress) {
+  CurvesSurface result;
+  if (curves.has_normals()) {
+    result.network = curves;
+    result.surface = network_surface(curves, options, progress);
+    return result;
+  }
+  result.strokes = network_of_strokes(curves, strokes, progress);
+  result.network = result.strokes->network;
+  result.surface = network_surface(result.network, result.strokes->cycles, options, progress);
+  return result;
+}
+
+}  // namespace batten
