@@ -79,20 +79,19 @@ SimulateOptions options_of(const SimulateArguments& arguments) {
 struct SimulatedObject {
   TracedNetwork traced;
   std::optional<TriangleMesh> mesh;  // of a mesh file
-  std::optional<Shape> shape;
+  std::optional<AnalyticShape> shape;
 };
 
 SimulatedObject load_object(const SimulateArguments& arguments, Outcome& outcome) {
   SimulatedObject object;
-  Shape shape = Shape::Sphere;
-  if (find_shape(arguments.object, shape)) {
-    object.shape = shape;
-    object.traced = trace_shape(shape);
+  if (const auto shape = choices_of(AnalyticShape{}).find(arguments.object)) {
+    object.shape = *shape;
+    object.traced = trace_shape(*shape);
     return object;
   }
   if (arguments.object.find('.') == std::string::npos) {
     std::string names;
-    for (const std::string& name : shape_names()) names += (names.empty() ? "" : ", ") + name;
+    for (const std::string& name : choice_words<AnalyticShape>()) names += (names.empty() ? "" : ", ") + name;
     throw CLI::ValidationError(
         concat("'", arguments.object, "' is neither a shape (", names, ") nor a mesh file"));
   }

@@ -110,7 +110,7 @@ TEST(Rawnet, WritingAndReadingLosesNothing) {
   SimulateOptions options;
   options.orientation_noise = 0.03;
   options.odometer_error = 0.01;
-  Scan scan = simulate_scan(trace_shape(Shape::Dish), options).scan;
+  Scan scan = simulate_scan(trace_shape(AnalyticShape::Dish), options).scan;
   scan.unit = "mm";
   scan.curves[1].name = "a name, with #signs";
   const std::string path = test::scratch_file("round.rawnet");

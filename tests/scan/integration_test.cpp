@@ -11,7 +11,7 @@
 namespace batten {
 namespace {
 
-SampledScan exact_samples(Shape shape, double step) {
+SampledScan exact_samples(AnalyticShape shape, double step) {
   SimulateOptions device;
   device.step = 0.004;
   const TracedNetwork traced = trace_shape(shape);
@@ -39,7 +39,7 @@ TEST(Integration, StepOfAConstantTurnIsExactOnAHelix) {
 
 TEST(Integration, BothFormsRecoverStepsThatClose) {
   // Steps taken from positions close exactly, so both forms give the positions back.
-  const SampledScan scan = exact_samples(Shape::Torus, 0.03);
+  const SampledScan scan = exact_samples(AnalyticShape::Torus, 0.03);
   const VertexNumbering numbering = number_vertices(scan);
   Random random(5);
   Points truth = Points::NullaryExpr(numbering.n_vertices, 3, [&] { return random.normal(); });
@@ -81,7 +81,7 @@ double energy_of(const SampledScan& scan, const std::vector<Points>& steps, cons
 }
 
 TEST(Integration, CondensedSolutionsMinimiseTheWholeLeastSquaresProblem) {
-  for (const Shape shape : {Shape::Sphere, Shape::Cone, Shape::Waves}) {
+  for (const AnalyticShape shape : {AnalyticShape::Sphere, AnalyticShape::Cone, AnalyticShape::Waves}) {
     const SampledScan scan = exact_samples(shape, 0.06);
     std::vector<Points> steps = frame_steps(scan, StepRule::Tangent);
     Random random(6);
@@ -103,14 +103,14 @@ TEST(Integration, CondensedSolutionsMinimiseTheWholeLeastSquaresProblem) {
 }
 
 TEST(Integration, RefusesPartsThatAreNotConnected) {
-  SampledScan scan = exact_samples(Shape::Sphere, 0.06);
+  SampledScan scan = exact_samples(AnalyticShape::Sphere, 0.06);
   for (int& id : scan.curves[0].node_ids) id += 100;
   EXPECT_THROW(integrate_steps(scan, frame_steps(scan, StepRule::Tangent), ClosureForm::FirstDifference),
                InvalidInput);
 }
 
 TEST(Integration, PreviewFollowsTheStepsFromTheFirstCommonNode) {
-  const SampledScan scan = exact_samples(Shape::Sphere, 0.01);
+  const SampledScan scan = exact_samples(AnalyticShape::Sphere, 0.01);
   const std::vector<Points> lines = integrate_preview(scan);
   const Points x =
       integrate_steps(scan, frame_steps(scan, StepRule::ConstantRate), ClosureForm::FirstDifference)

@@ -10,7 +10,7 @@ namespace batten {
 namespace {
 
 SimulatedScan sphere(const SimulateOptions& options) {
-  return simulate_scan(trace_shape(Shape::Sphere), options);
+  return simulate_scan(trace_shape(AnalyticShape::Sphere), options);
 }
 
 TEST(Prefilter, FindsAllRandomOutliersAndNoOthers) {
@@ -58,7 +58,7 @@ TEST(Prefilter, IsExactOnCirclesAlsoAtEndsAndWithFewReadings) {
   SimulateOptions device;
   for (const double reading_step : {0.002, 0.05}) {
     device.step = reading_step;
-    const TracedNetwork traced = trace_shape(Shape::Sphere);
+    const TracedNetwork traced = trace_shape(AnalyticShape::Sphere);
     const Scan scan = simulate_scan(traced, device).scan;
     std::vector<std::string> warnings;
     PrefilterOptions options;

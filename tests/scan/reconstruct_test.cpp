@@ -17,7 +17,7 @@ TEST(NetworkFromScan, IsExactOnCirclesWithoutNoise) {
   // A constant rate of turn is integrated exactly; 1e-4 is the acceptance limit of the project.
   SimulateOptions device;
   device.step = 0.004;
-  for (const Shape shape : {Shape::Sphere, Shape::Cone}) {
+  for (const AnalyticShape shape : {AnalyticShape::Sphere, AnalyticShape::Cone}) {
     const TracedNetwork traced = trace_shape(shape);
     EXPECT_LT(test::network_error(traced, network_from_scan(simulate_scan(traced, device).scan)), 1e-4);
   }
@@ -26,7 +26,7 @@ TEST(NetworkFromScan, IsExactOnCirclesWithoutNoise) {
 TEST(NetworkFromScan, ConvergesWithSecondOrderAndTheThesisSchemeWithFirst) {
   SimulateOptions device;
   device.step = 0.002;
-  const TracedNetwork traced = trace_shape(Shape::Dish);
+  const TracedNetwork traced = trace_shape(AnalyticShape::Dish);
   const Scan scan = simulate_scan(traced, device).scan;
   ScanOptions options;
   const auto order = [&] {
@@ -45,7 +45,7 @@ TEST(NetworkFromScan, ConvergesWithSecondOrderAndTheThesisSchemeWithFirst) {
 TEST(NetworkFromScan, BeatsTheAcceptanceLimitOnNoisyScans) {
   // Required: geometric mean over nine shapes and three seeds 0.130 %; here three shapes of one seed.
   double product = 1;
-  for (const Shape shape : {Shape::Sphere, Shape::Dish, Shape::Waves}) {
+  for (const AnalyticShape shape : {AnalyticShape::Sphere, AnalyticShape::Dish, AnalyticShape::Waves}) {
     const TracedNetwork traced = trace_shape(shape);
     const ScanNetwork result = network_from_scan(simulate_scan(traced, test::noisy_device(11)).scan);
     product *= test::network_error(traced, result);
@@ -55,7 +55,7 @@ TEST(NetworkFromScan, BeatsTheAcceptanceLimitOnNoisyScans) {
 }
 
 TEST(NetworkFromScan, OutliersHardlyMatter) {
-  const TracedNetwork traced = trace_shape(Shape::Waves);
+  const TracedNetwork traced = trace_shape(AnalyticShape::Waves);
   SimulateOptions device = test::noisy_device(4);
   const double without = test::network_error(traced, network_from_scan(simulate_scan(traced, device).scan));
   device.outliers = 0.05;
@@ -64,7 +64,7 @@ TEST(NetworkFromScan, OutliersHardlyMatter) {
 }
 
 TEST(NetworkFromScan, FindsTheFactorsOfEstimatedLengths) {
-  const TracedNetwork traced = trace_shape(Shape::Sphere);
+  const TracedNetwork traced = trace_shape(AnalyticShape::Sphere);
   SimulateOptions device = test::noisy_device(5);
   device.curve_length_error = 0.15;
   const SimulatedScan scan = simulate_scan(traced, device);
@@ -80,7 +80,7 @@ TEST(NetworkFromScan, FindsTheFactorsOfEstimatedLengths) {
 }
 
 TEST(NetworkFromScan, DoesNotDependOnOrderUnitOrientationAndDirection) {
-  const Scan scan = simulate_scan(trace_shape(Shape::Sphere), test::noisy_device(6)).scan;
+  const Scan scan = simulate_scan(trace_shape(AnalyticShape::Sphere), test::noisy_device(6)).scan;
   const ScanNetwork reference = network_from_scan(scan);
   const double size = reference.report.size;
   const auto points = [](const ScanNetwork& n, int curve, bool reversed) {
@@ -136,7 +136,7 @@ TEST(NetworkFromScan, DoesNotDependOnOrderUnitOrientationAndDirection) {
 }
 
 TEST(NetworkFromScan, RefusesBadOptions) {
-  const Scan scan = simulate_scan(trace_shape(Shape::Sphere), {}).scan;
+  const Scan scan = simulate_scan(trace_shape(AnalyticShape::Sphere), {}).scan;
   ScanOptions options;
   options.step = relative(-1);
   EXPECT_THROW(network_from_scan(scan, options), InvalidInput);

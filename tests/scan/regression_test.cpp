@@ -14,7 +14,7 @@ namespace batten {
 namespace {
 
 SampledScan noisy_samples(double step = 0.1) {
-  const Scan scan = simulate_scan(trace_shape(Shape::Sphere), test::noisy_device(2)).scan;
+  const Scan scan = simulate_scan(trace_shape(AnalyticShape::Sphere), test::noisy_device(2)).scan;
   std::vector<std::string> warnings;
   PrefilterOptions options;
   options.step = step;

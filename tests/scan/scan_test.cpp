@@ -16,7 +16,7 @@ void expect_refused(const std::function<void(Scan&)>& spoil, const std::string& 
                     const std::string& what) {
   SimulateOptions options;
   options.step = 0.02;
-  Scan scan = simulate_scan(trace_shape(Shape::Sphere), options).scan;
+  Scan scan = simulate_scan(trace_shape(AnalyticShape::Sphere), options).scan;
   ASSERT_NO_THROW(check_scan(scan));
   spoil(scan);
   try {

@@ -19,7 +19,7 @@ using Eigen::Vector3d;
 
 /// The dish, whose curves point in many directions, some open and one a closed border.
 struct Recording {
-  TracedNetwork traced = trace_shape(Shape::Dish);
+  TracedNetwork traced = trace_shape(AnalyticShape::Dish);
   SimulatedScan simulated;
   SensorLog log;
 

@@ -26,7 +26,7 @@ MeshSectionOptions one_plane() {
 // Three planes through the middle of a sphere are three great circles with six nodes. The mesh lies below the
 // sphere by at most e²/8 = 2e-4 for edges of 0.04, and splines through its points follow as closely.
 TEST(TraceMesh, SectionsOfASphereAreGreatCircles) {
-  const TracedNetwork traced = trace_mesh(shape_mesh(Shape::Sphere, 0.01), one_plane());
+  const TracedNetwork traced = trace_mesh(shape_mesh(AnalyticShape::Sphere, 0.01), one_plane());
   ASSERT_EQ(traced.curves.size(), 3U);
   ASSERT_EQ(traced.node_positions.rows(), 6);
   EXPECT_TRUE(traced.warnings.empty());
@@ -45,8 +45,7 @@ TEST(TraceMesh, SectionsOfASphereAreGreatCircles) {
 class TracedMesh : public testing::TestWithParam<std::string> {
  protected:
   static TracedNetwork trace() {
-    Shape shape = Shape::Sphere;
-    find_shape(GetParam(), shape);
+    const auto shape = parse_choice<AnalyticShape>(GetParam());
     TriangleMesh mesh = shape_mesh(shape, 0.02);
     // A position in which the planes are no symmetry planes of the shape.
     mesh.positions = mesh.positions * so3_exp({0.3, 0.5, -0.2}).transpose();
@@ -109,7 +108,7 @@ INSTANTIATE_TEST_SUITE_P(TraceMesh, TracedMesh,
                          [](const auto& shape) { return shape.param; });
 
 TEST(TraceMesh, LeavesOutWhatIsNotConnectedAndSaysSo) {
-  TriangleMesh mesh = shape_mesh(Shape::Sphere, 0.05);
+  TriangleMesh mesh = shape_mesh(AnalyticShape::Sphere, 0.05);
   const auto n = mesh.n_vertices();
   const auto m = mesh.n_triangles();
   TriangleMesh two = mesh;
@@ -125,7 +124,7 @@ TEST(TraceMesh, LeavesOutWhatIsNotConnectedAndSaysSo) {
 }
 
 TEST(TraceMesh, RefusesWhatCannotBeScanned) {
-  const TriangleMesh sphere = shape_mesh(Shape::Sphere, 0.1);
+  const TriangleMesh sphere = shape_mesh(AnalyticShape::Sphere, 0.1);
   EXPECT_THROW(trace_mesh(TriangleMesh()), InvalidInput);
   for (const auto& change : {std::pair("", 3), std::pair("x", 3), std::pair("xx", 3), std::pair("xw", 3),
                              std::pair("xy", 0), std::pair("xy", 101)}) {

@@ -17,10 +17,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-Shape shape_of(const std::string& name) {
-  Shape shape = Shape::Sphere;
-  EXPECT_TRUE(find_shape(name, shape)) << name;
-  return shape;
+AnalyticShape shape_of(const std::string& name) {
+  return parse_choice<AnalyticShape>(name);
 }
 
 /// Segments between nodes, over all curves.
@@ -39,7 +37,7 @@ TEST(Shapes, CurvesNodesAndSegmentsAreThoseOfTheDefinition) {
       {"sphere", {3, 6, 12}},  {"sphere6", {6, 24, 48}},    {"ellipsoid", {5, 14, 30}},
       {"torus", {12, 36, 72}}, {"bumpycube", {9, 54, 108}}, {"saddle", {8, 16, 24}},
       {"waves", {10, 25, 40}}, {"dish", {5, 12, 20}},       {"cone", {5, 6, 9}}};
-  ASSERT_EQ(expected.size(), shape_names().size());
+  ASSERT_EQ(expected.size(), choice_words<AnalyticShape>().size());
   for (const auto& [name, counts] : expected) {
     const TracedNetwork traced = trace_shape(shape_of(name));
     EXPECT_EQ(traced.curves.size(), counts[0]) << name;
@@ -49,44 +47,43 @@ TEST(Shapes, CurvesNodesAndSegmentsAreThoseOfTheDefinition) {
 }
 
 TEST(Shapes, AliasesNameTheSameShape) {
-  EXPECT_EQ(shape_of("sphere3"), Shape::Sphere);
-  EXPECT_EQ(shape_of("ellipsoid5"), Shape::Ellipsoid);
-  EXPECT_EQ(shape_of("bumpy-cube"), Shape::BumpyCube);
-  Shape shape = Shape::Cone;
-  EXPECT_FALSE(find_shape("teapot", shape));
+  EXPECT_EQ(shape_of("sphere3"), AnalyticShape::Sphere);
+  EXPECT_EQ(shape_of("ellipsoid5"), AnalyticShape::Ellipsoid);
+  EXPECT_EQ(shape_of("bumpy-cube"), AnalyticShape::BumpyCube);
+  EXPECT_THROW(shape_of("teapot"), InvalidInput);
 }
 
 // Closed forms: circles, the elliptic integral, straight generators, and on the unit square the parabola of
 // the saddle's border, z = 0.35 (1 − y²), whose length is sqrt(1 + k²) + asinh(k)/k with k = 0.7.
 TEST(Shapes, LengthsOfCurvesAreExact) {
-  for (const TracedCurve& curve : trace_shape(Shape::Sphere).curves)
+  for (const TracedCurve& curve : trace_shape(AnalyticShape::Sphere).curves)
     EXPECT_NEAR(curve.path->length(), 2 * kPi, 1e-11);
-  for (const TracedCurve& curve : trace_shape(Shape::Sphere6).curves)
+  for (const TracedCurve& curve : trace_shape(AnalyticShape::Sphere6).curves)
     EXPECT_NEAR(curve.path->length(), 2 * kPi * std::sqrt(1 - 0.45 * 0.45), 1e-11);
-  const TracedNetwork torus = trace_shape(Shape::Torus);
+  const TracedNetwork torus = trace_shape(AnalyticShape::Torus);
   EXPECT_NEAR(torus.curves[0].path->length(), 12 * kPi, 1e-10);
   EXPECT_NEAR(torus.curves[1].path->length(), 4 * kPi, 1e-10);
   EXPECT_NEAR(torus.curves[2].path->length(), 2 * kPi * 5.6, 1e-10);
   EXPECT_NEAR(torus.curves[11].path->length(), 4 * kPi, 1e-10);
-  const TracedNetwork cone = trace_shape(Shape::Cone);
+  const TracedNetwork cone = trace_shape(AnalyticShape::Cone);
   EXPECT_NEAR(cone.curves[0].path->length(), 2 * kPi * 0.475, 1e-12);
   EXPECT_NEAR(cone.curves[2].path->length(), 1.6 * std::sqrt(1 + 0.0625), 1e-12);
-  const TracedNetwork ellipsoid = trace_shape(Shape::Ellipsoid);
+  const TracedNetwork ellipsoid = trace_shape(AnalyticShape::Ellipsoid);
   EXPECT_NEAR(ellipsoid.curves[3].path->length(), 6 * std::comp_ellint_2(std::sqrt(1 - 1 / 2.25)), 1e-10);
   const double k = 0.7;
-  EXPECT_NEAR(trace_shape(Shape::Saddle).curves[1].path->length(), std::sqrt(1 + k * k) + std::asinh(k) / k,
-              1e-11);
+  EXPECT_NEAR(trace_shape(AnalyticShape::Saddle).curves[1].path->length(),
+              std::sqrt(1 + k * k) + std::asinh(k) / k, 1e-11);
 }
 
 TEST(Shapes, DiametersAreThoseOfTheBoundingBox) {
-  EXPECT_NEAR(trace_shape(Shape::Sphere).diameter, 2 * std::sqrt(3.0), 1e-12);
-  EXPECT_NEAR(trace_shape(Shape::Torus).diameter, std::sqrt(144.0 + 144 + 16), 1e-12);
-  EXPECT_NEAR(trace_shape(Shape::Cone).diameter, std::sqrt(2 * 0.95 * 0.95 + 1.6 * 1.6), 1e-12);
-  EXPECT_NEAR(trace_shape(Shape::Saddle).diameter, std::sqrt(8 + 0.49), 1e-12);
+  EXPECT_NEAR(trace_shape(AnalyticShape::Sphere).diameter, 2 * std::sqrt(3.0), 1e-12);
+  EXPECT_NEAR(trace_shape(AnalyticShape::Torus).diameter, std::sqrt(144.0 + 144 + 16), 1e-12);
+  EXPECT_NEAR(trace_shape(AnalyticShape::Cone).diameter, std::sqrt(2 * 0.95 * 0.95 + 1.6 * 1.6), 1e-12);
+  EXPECT_NEAR(trace_shape(AnalyticShape::Saddle).diameter, std::sqrt(8 + 0.49), 1e-12);
 }
 
 TEST_P(EveryShape, PointsLieOnTheSurfaceWithTheirFrames) {
-  const Shape shape = shape_of(GetParam());
+  const AnalyticShape shape = shape_of(GetParam());
   const TracedNetwork traced = trace_shape(shape);
   const ImplicitFunction surface = shape_function(shape);
   Random random(1);
@@ -110,7 +107,7 @@ TEST_P(EveryShape, PointsLieOnTheSurfaceWithTheirFrames) {
 }
 
 TEST_P(EveryShape, CurvesPassThroughTheirNodes) {
-  const Shape shape = shape_of(GetParam());
+  const AnalyticShape shape = shape_of(GetParam());
   const TracedNetwork traced = trace_shape(shape);
   const ImplicitFunction surface = shape_function(shape);
   std::vector<std::set<const TracedCurve*>> curves_at(static_cast<size_t>(traced.node_positions.rows()));
@@ -135,13 +132,13 @@ TEST_P(EveryShape, CurvesPassThroughTheirNodes) {
 
 // Seen from outside the surface lies to the left of its border: N × t points into it.
 TEST_P(EveryShape, BordersRunWithTheSurfaceOnTheirLeft) {
-  const Shape shape = shape_of(GetParam());
+  const AnalyticShape shape = shape_of(GetParam());
   const TracedNetwork traced = trace_shape(shape);
   for (const TracedCurve& curve : traced.curves) {
     if (!curve.boundary) continue;
     const CurvePoint p = curve.path->at(0.3 * curve.path->length());
     const Vector3d inward = p.normal.cross(p.tangent);
-    if (shape == Shape::Cone)
+    if (shape == AnalyticShape::Cone)
       EXPECT_GT(inward.z() * (0.9 - p.position.z()), 0);
     else
       EXPECT_LT(inward.head<2>().dot(p.position.head<2>()), 0);
@@ -149,7 +146,7 @@ TEST_P(EveryShape, BordersRunWithTheSurfaceOnTheirLeft) {
 }
 
 TEST_P(EveryShape, MeshesAreOrientedManifoldsOnTheSurface) {
-  const Shape shape = shape_of(GetParam());
+  const AnalyticShape shape = shape_of(GetParam());
   const TriangleMesh mesh = shape_mesh(shape, 0.05);
   const ImplicitFunction surface = shape_function(shape);
   for (Eigen::Index v = 0; v < mesh.n_vertices(); ++v) {
@@ -179,19 +176,20 @@ TEST_P(EveryShape, MeshesAreOrientedManifoldsOnTheSurface) {
   const long edges = (static_cast<long>(half_edges.size()) + border) / 2;
   const long euler = static_cast<long>(mesh.n_vertices()) - edges + static_cast<long>(mesh.n_triangles());
   // Sphere 2, torus and cylinder 0, disc 1.
-  const bool disc = shape == Shape::Saddle || shape == Shape::Waves || shape == Shape::Dish;
-  const bool ring = shape == Shape::Torus || shape == Shape::Cone;
+  const bool disc =
+      shape == AnalyticShape::Saddle || shape == AnalyticShape::Waves || shape == AnalyticShape::Dish;
+  const bool ring = shape == AnalyticShape::Torus || shape == AnalyticShape::Cone;
   EXPECT_EQ(euler, disc ? 1 : ring ? 0 : 2);
-  EXPECT_EQ(border > 0, disc || shape == Shape::Cone);
+  EXPECT_EQ(border > 0, disc || shape == AnalyticShape::Cone);
 }
 
-INSTANTIATE_TEST_SUITE_P(Shapes, EveryShape, ::testing::ValuesIn(shape_names()),
+INSTANTIATE_TEST_SUITE_P(Shapes, EveryShape, ::testing::ValuesIn(choice_words<AnalyticShape>()),
                          [](const auto& shape) { return shape.param; });
 
 TEST(Shapes, MeshesRefuseEdgesOutOfRange) {
-  EXPECT_THROW(shape_mesh(Shape::Sphere, 0), InvalidInput);
-  EXPECT_THROW(shape_mesh(Shape::Sphere, 0.3), InvalidInput);
-  EXPECT_THROW(shape_mesh(Shape::Sphere, NAN), InvalidInput);
+  EXPECT_THROW(shape_mesh(AnalyticShape::Sphere, 0), InvalidInput);
+  EXPECT_THROW(shape_mesh(AnalyticShape::Sphere, 0.3), InvalidInput);
+  EXPECT_THROW(shape_mesh(AnalyticShape::Sphere, NAN), InvalidInput);
 }
 
 }  // namespace

@@ -29,8 +29,7 @@ class EveryScan : public ::testing::TestWithParam<std::string> {
  protected:
   static const TracedNetwork& traced() {
     static std::map<std::string, TracedNetwork> cache;
-    Shape shape = Shape::Sphere;
-    find_shape(GetParam(), shape);
+    const auto shape = parse_choice<AnalyticShape>(GetParam());
     auto place = cache.find(GetParam());
     if (place == cache.end()) place = cache.emplace(GetParam(), trace_shape(shape)).first;
     return place->second;
@@ -106,12 +105,12 @@ TEST_P(EveryScan, EveryNodeIsReadDwellTimesAtItsPlace) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Simulate, EveryScan, ::testing::ValuesIn(shape_names()),
+INSTANTIATE_TEST_SUITE_P(Simulate, EveryScan, ::testing::ValuesIn(choice_words<AnalyticShape>()),
                          [](const auto& shape) { return shape.param; });
 
 /// A scan with so many readings that statistics are sharp: the sphere's three circles.
 SimulatedScan sphere_scan(SimulateOptions options) {
-  static const TracedNetwork sphere = trace_shape(Shape::Sphere);
+  static const TracedNetwork sphere = trace_shape(AnalyticShape::Sphere);
   return simulate_scan(sphere, options);
 }
 

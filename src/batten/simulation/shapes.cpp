@@ -55,9 +55,9 @@ Height dish_height(double x, double y) {
 
 using HeightField = Height (*)(double, double);
 
-HeightField height_field(Shape shape) {
-  if (shape == Shape::Saddle) return saddle_height;
-  if (shape == Shape::Waves) return waves_height;
+HeightField height_field(AnalyticShape shape) {
+  if (shape == AnalyticShape::Saddle) return saddle_height;
+  if (shape == AnalyticShape::Waves) return waves_height;
   return dish_height;
 }
 
@@ -212,25 +212,25 @@ std::vector<Section> cone_sections() {
   return sections;
 }
 
-std::vector<Section> sections_of(Shape shape) {
+std::vector<Section> sections_of(AnalyticShape shape) {
   switch (shape) {
-    case Shape::Sphere:
+    case AnalyticShape::Sphere:
       return star_sections({0}, 1);
-    case Shape::Sphere6:
+    case AnalyticShape::Sphere6:
       return star_sections({-0.45, 0.45}, 0.9);
-    case Shape::Ellipsoid:
+    case AnalyticShape::Ellipsoid:
       return ellipsoid_sections();
-    case Shape::Torus:
+    case AnalyticShape::Torus:
       return torus_sections();
-    case Shape::BumpyCube:
+    case AnalyticShape::BumpyCube:
       return star_sections({-0.5, 0, 0.5}, 1);
-    case Shape::Saddle:
+    case AnalyticShape::Saddle:
       return square_sections(saddle_height, {-0.33, 0.33});
-    case Shape::Waves:
+    case AnalyticShape::Waves:
       return square_sections(waves_height, {-0.5, 0, 0.5});
-    case Shape::Dish:
+    case AnalyticShape::Dish:
       return dish_sections();
-    case Shape::Cone:
+    case AnalyticShape::Cone:
       return cone_sections();
   }
   throw InvalidInput("unknown shape");
@@ -515,21 +515,21 @@ Vector3d on_bumpy_cube(const Vector3d& direction) {
 }
 
 /// The mesh with edges of about `edge`, in the unit of the shape.
-MeshBuilder build_mesh(Shape shape, double edge) {
+MeshBuilder build_mesh(AnalyticShape shape, double edge) {
   // Even numbers of cells put vertices on the symmetry planes, so that the box is met exactly.
   const auto cells = [edge](double length) {
     return std::max(8, 4 * static_cast<int>(std::ceil(length / edge / 4)));
   };
   switch (shape) {
-    case Shape::Sphere:
-    case Shape::Sphere6:
+    case AnalyticShape::Sphere:
+    case AnalyticShape::Sphere6:
       return star_mesh(cells(kPi / 2), [](const Vector3d& d) { return d; });
-    case Shape::Ellipsoid:
+    case AnalyticShape::Ellipsoid:
       return star_mesh(cells(kPi / 2 * kEllipsoidAxes.maxCoeff()),
                        [](const Vector3d& d) { return Vector3d(d.cwiseProduct(kEllipsoidAxes)); });
-    case Shape::BumpyCube:
+    case AnalyticShape::BumpyCube:
       return star_mesh(cells(2.0), on_bumpy_cube);
-    case Shape::Torus:
+    case AnalyticShape::Torus:
       return grid_mesh(cells(2 * kPi * (kTorusRadius + kTubeRadius)), cells(2 * kPi * kTubeRadius), true,
                        true, [](double u, double v) {
                          const double phi = 2 * kPi * u;
@@ -537,16 +537,16 @@ MeshBuilder build_mesh(Shape shape, double edge) {
                          return Vector3d(rho * std::cos(phi), rho * std::sin(phi),
                                          kTubeRadius * std::sin(2 * kPi * v));
                        });
-    case Shape::Saddle:
-    case Shape::Waves:
+    case AnalyticShape::Saddle:
+    case AnalyticShape::Waves:
       return grid_mesh(cells(2), cells(2), false, false, [shape](double u, double v) {
         const double x = 2 * u - 1;
         const double y = 2 * v - 1;
         return Vector3d(x, y, height_field(shape)(x, y).z);
       });
-    case Shape::Dish:
+    case AnalyticShape::Dish:
       return disc_mesh(cells(1), [](double x, double y) { return Vector3d(x, y, dish_height(x, y).z); });
-    case Shape::Cone:
+    case AnalyticShape::Cone:
       return grid_mesh(cells(2 * kPi * cone_radius(kConeBottom)), cells((kConeTop - kConeBottom) * 1.03),
                        true, false, [](double u, double v) {
                          const double phi = 2 * kPi * u;
@@ -558,58 +558,41 @@ MeshBuilder build_mesh(Shape shape, double edge) {
   throw InvalidInput("unknown shape");
 }
 
-double shape_diameter(Shape shape) {
+double shape_diameter(AnalyticShape shape) {
   const TriangleMesh mesh = build_mesh(shape, 0.03).finish(shape_function(shape));
   return bounding_box_diagonal(mesh.positions);
 }
 
 }  // namespace
 
-const std::vector<std::string>& shape_names() {
-  static const std::vector<std::string> names = {"sphere", "sphere6", "ellipsoid", "torus", "bumpycube",
-                                                 "saddle", "waves",   "dish",      "cone"};
-  return names;
-}
-
-bool find_shape(std::string_view name, Shape& shape) {
-  if (name == "sphere3") name = "sphere";
-  if (name == "ellipsoid5") name = "ellipsoid";
-  if (name == "bumpy-cube") name = "bumpycube";
-  const auto& names = shape_names();
-  const auto place = std::find(names.begin(), names.end(), name);
-  if (place == names.end()) return false;
-  shape = static_cast<Shape>(place - names.begin());
-  return true;
-}
-
-ImplicitFunction shape_function(Shape shape) {
+ImplicitFunction shape_function(AnalyticShape shape) {
   switch (shape) {
-    case Shape::Sphere:
-    case Shape::Sphere6:
+    case AnalyticShape::Sphere:
+    case AnalyticShape::Sphere6:
       return [](const Vector3d& x, Vector3d& gradient) {
         gradient = 2 * x;
         return x.squaredNorm() - 1;
       };
-    case Shape::Ellipsoid:
+    case AnalyticShape::Ellipsoid:
       return [](const Vector3d& x, Vector3d& gradient) {
         const Vector3d scaled = x.cwiseQuotient(kEllipsoidAxes);
         gradient = 2 * scaled.cwiseQuotient(kEllipsoidAxes);
         return scaled.squaredNorm() - 1;
       };
-    case Shape::Torus:
+    case AnalyticShape::Torus:
       return [](const Vector3d& x, Vector3d& gradient) {
         const double rho = x.head<2>().norm();
         const double across = rho - kTorusRadius;
         gradient = {2 * across * x.x() / rho, 2 * across * x.y() / rho, 2 * x.z()};
         return across * across + x.z() * x.z() - kTubeRadius * kTubeRadius;
       };
-    case Shape::BumpyCube:
+    case AnalyticShape::BumpyCube:
       return bumpy_cube;
-    case Shape::Saddle:
-    case Shape::Waves:
-    case Shape::Dish:
+    case AnalyticShape::Saddle:
+    case AnalyticShape::Waves:
+    case AnalyticShape::Dish:
       return below_height(height_field(shape));
-    case Shape::Cone:
+    case AnalyticShape::Cone:
       return [](const Vector3d& x, Vector3d& gradient) {
         const double r = cone_radius(x.z());
         gradient = {2 * x.x(), 2 * x.y(), 2 * kConeSlope * r};
@@ -619,9 +602,9 @@ ImplicitFunction shape_function(Shape shape) {
   throw InvalidInput("unknown shape");
 }
 
-TracedNetwork trace_shape(Shape shape) {
+TracedNetwork trace_shape(AnalyticShape shape) {
   TracedNetwork traced;
-  traced.name = shape_names()[static_cast<size_t>(shape)];
+  traced.name = word_of(shape);
   traced.diameter = shape_diameter(shape);
   const ImplicitFunction surface = shape_function(shape);
   const std::vector<Section> sections = sections_of(shape);
@@ -645,7 +628,7 @@ TracedNetwork trace_shape(Shape shape) {
   return traced;
 }
 
-TriangleMesh shape_mesh(Shape shape, double edge_length) {
+TriangleMesh shape_mesh(AnalyticShape shape, double edge_length) {
   if (!(edge_length > 0 && edge_length <= 0.2))
     throw InvalidInput(
         concat("the edge length of a shape's mesh must lie in (0, 0.2] diameters, got ", edge_length));
