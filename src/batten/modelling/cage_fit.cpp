@@ -17,6 +17,10 @@ using Eigen::Index;
 /// concave corners.
 constexpr double kEvenness = 1;
 
+// Of the size: where a fit stops, and what it must have reached.
+constexpr double kAimedResidual = 1e-12, kAcceptedResidual = 1e-9;
+constexpr int kMostRounds = 20;
+
 /// Rows of μ U U for the vertices that are not exact, with U the umbrella: how uneven the difference of cage
 /// and target is. Sharp edges have none, as the differences on their sides have nothing in common, and
 /// neither have borders and the rim of a part.
@@ -56,8 +60,8 @@ SparseMatrix unevenness(const ControlCage& cage, const std::vector<char>& free,
 
 }  // namespace
 
-void fit_limit(ControlCage& cage, const Points& target, const std::vector<char>& free,
-               const std::vector<char>& exact) {
+IterativeReport fit_limit(ControlCage& cage, const Points& target, const std::vector<char>& free,
+                          const std::vector<char>& exact) {
   const SparseMatrix uneven = unevenness(cage, free, exact), rows = limit_stencils(cage) + uneven;
   const Points wanted = target + uneven * target;
   const Index n = target.rows();
@@ -65,7 +69,8 @@ void fit_limit(ControlCage& cage, const Points& target, const std::vector<char>&
   int n_free = 0;
   for (Index v = 0; v < n; ++v)
     if (free[static_cast<size_t>(v)]) index[static_cast<size_t>(v)] = n_free++;
-  if (n_free == 0) return;
+  IterativeReport report{.iterations = 0, .residual = 0, .converged = true};
+  if (n_free == 0) return report;
   std::vector<Eigen::Triplet<double>> entries;
   entries.reserve(static_cast<size_t>(rows.nonZeros()));
   for (Index j = 0; j < rows.outerSize(); ++j)
@@ -80,19 +85,30 @@ void fit_limit(ControlCage& cage, const Points& target, const std::vector<char>&
   inverse.setMaxIterations(200);
   const double size = bounding_box_diagonal(target);
   Points& positions = cage.mesh.positions;
-  for (int k = 0; k < 20; ++k) {
+  Eigen::MatrixXd right(n_free, 3);
+  double worst = 0;
+  const auto take_lack = [&] {
     const Points lack = wanted - rows * positions;
-    Eigen::MatrixXd right(n_free, 3);
     for (Index v = 0; v < n; ++v)
       if (index[static_cast<size_t>(v)] >= 0) right.row(index[static_cast<size_t>(v)]) = lack.row(v);
-    if (right.rowwise().norm().maxCoeff() < 1e-12 * size) break;
+    worst = right.rowwise().norm().maxCoeff();
+  };
+  take_lack();
+  while (report.iterations < kMostRounds && !(worst < kAimedResidual * size)) {
     for (int c = 0; c < 3; ++c) {
+      // Turns that are used up are no failure here: the next round goes on from what they have reached.
       const Eigen::VectorXd solved = inverse.solve(right.col(c));
-      if (!solved.allFinite()) throw SolverFailure("cage of the limit surface", n_free);
+      if (inverse.info() == Eigen::NumericalIssue || !solved.allFinite())
+        throw SolverFailure("cage of the limit surface", n_free);
       for (Index v = 0; v < n; ++v)
         if (index[static_cast<size_t>(v)] >= 0) positions(v, c) += solved(index[static_cast<size_t>(v)]);
     }
+    ++report.iterations;
+    take_lack();
   }
+  report.residual = size > 0 ? worst / size : 0;
+  report.converged = worst <= kAcceptedResidual * size;
+  return report;
 }
 
 }  // namespace batten::detail

@@ -317,7 +317,7 @@ void finish(const CoonsOptions& options, CoonsSurface& surface, const Progress& 
       const std::vector<char> free(static_cast<size_t>(target.rows()), 1);
       std::vector<char> exact = surface.on_curve;
       exact.resize(free.size(), 1);  // what NULISSmod has added
-      detail::fit_limit(surface.cage, target, free, exact);
+      surface.cage_fit = detail::fit_limit(surface.cage, target, free, exact);
     }
   }
   const ScopedStage stage(surface.times, "subdivision");

@@ -6,6 +6,7 @@
 #include "batten/core/choices.hpp"
 #include "batten/core/progress.hpp"
 #include "batten/core/stage_times.hpp"
+#include "batten/linalg/iterative.hpp"
 #include "batten/mesh/control_cage.hpp"
 #include "batten/modelling/base_mesh.hpp"
 #include "batten/sketch/polyline_mesh.hpp"
@@ -60,6 +61,9 @@ struct CoonsSurface {
   std::vector<std::vector<int>> vertices_of_edge;
   /// With schemes that end in Catmull–Clark the cage of the limit surface; else empty.
   ControlCage cage;
+  /// How far the limit surface is from its curves, ÷ diameter. Where it has not converged the cage is the
+  /// best found: warn.
+  IterativeReport cage_fit{.iterations = 0, .residual = 0, .converged = true};
   /// The finished surface: quads, on the limit surface with Catmull–Clark, to be cut into triangles along
   /// the diagonal from their first corner. Its first vertices are those of `refined`.
   PolygonMesh fine;

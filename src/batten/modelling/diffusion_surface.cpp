@@ -689,8 +689,8 @@ struct EditedSurface::Implementation {
     fitted.sharp_edges = part_of.sharp_edges;
     for (size_t v = 0; v < part_of.vertices.size(); ++v)
       fitted.mesh.positions.row(static_cast<Index>(v)) = cage[at(part_of.vertices[v])].transpose();
-    detail::fit_limit(fitted, part_of.mesh.positions, part_of.complete,
-                      options.fidelity > 0 ? part_of.soft : part_of.held);
+    last.cage_fit = detail::fit_limit(fitted, part_of.mesh.positions, part_of.complete,
+                                      options.fidelity > 0 ? part_of.soft : part_of.held);
     for (size_t v = 0; v < part_of.vertices.size(); ++v)
       cage[at(part_of.vertices[v])] = fitted.mesh.positions.row(static_cast<Index>(v));
   }
@@ -805,6 +805,7 @@ DiffusionSurface EditedSurface::surface(const PolylineMesh& mesh) const {
     surface.cage.mesh.positions.row(static_cast<Index>(v)) = own.cage[at(order[v])].transpose();
   surface.last_move = own.last.last_move;
   surface.not_smoothed = own.last.not_smoothed;
+  surface.cage_fit = own.last.cage_fit;
   surface.times = own.last.times;
   return surface;
 }

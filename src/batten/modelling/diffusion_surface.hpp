@@ -6,6 +6,7 @@
 
 #include "batten/core/progress.hpp"
 #include "batten/core/stage_times.hpp"
+#include "batten/linalg/iterative.hpp"
 #include "batten/mesh/control_cage.hpp"
 #include "batten/sketch/polyline_mesh.hpp"
 
@@ -50,6 +51,7 @@ struct DiffusionSurface {
   std::vector<std::vector<int>> vertices_of_edge;
   double last_move = 0;           ///< largest move of a vertex in the last round, ÷ diameter
   std::vector<int> not_smoothed;  ///< see SurfaceUpdate
+  IterativeReport cage_fit;       ///< see SurfaceUpdate
   StageTimes times;
 };
 
@@ -62,6 +64,9 @@ struct SurfaceUpdate {
   std::vector<int> not_smoothed;
   int rounds = 0;        ///< of the flow
   double last_move = 0;  ///< largest move of a vertex in the last round, ÷ diameter
+  /// How far the limit surface is from going where it should, ÷ diameter of what was fitted. Where it has not
+  /// converged the cage is the best found: warn.
+  IterativeReport cage_fit{.iterations = 0, .residual = 0, .converged = true};
   StageTimes times;
 };
 
