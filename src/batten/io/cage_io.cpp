@@ -80,7 +80,7 @@ Tag parse_tag(const detail::RawMesh::Tag& raw, const std::string& path) {
 }
 
 void add_tags(const detail::RawMesh& raw, const FaceEdges& edges, const std::string& path, ControlCage& cage,
-              std::vector<std::string>& told) {
+              std::vector<std::string>& notes) {
   const long n = static_cast<long>(raw.positions.size() / 3);
   long n_unknown = 0;
   for (const detail::RawMesh::Tag& text : raw.tags) {
@@ -110,12 +110,12 @@ void add_tags(const detail::RawMesh& raw, const FaceEdges& edges, const std::str
     }
   }
   if (n_unknown > 0)
-    told.push_back(concat(n_unknown, " subdivision tags other than 'crease' and 'corner' were left out"));
+    notes.push_back(concat(n_unknown, " subdivision tags other than 'crease' and 'corner' were left out"));
 }
 
 /// Cuts the polylines at the vertices of faces; each piece belongs to the edge between its ends.
 void add_polylines(const detail::RawMesh& raw, const std::vector<char>& in_face, const FaceEdges& edges,
-                   ControlCage& cage, std::vector<std::string>& told) {
+                   ControlCage& cage, std::vector<std::string>& notes) {
   long n_left_out = 0, first_line = 0;
   for (const detail::RawMesh::Polyline& polyline : raw.polylines) {
     std::vector<int> piece;
@@ -138,14 +138,14 @@ void add_polylines(const detail::RawMesh& raw, const std::vector<char>& in_face,
     if (piece.size() > 1 && n_left_out++ == 0) first_line = polyline.line;
   }
   if (n_left_out > 0)
-    told.push_back(concat(n_left_out,
-                          " pieces of polylines do not run along an edge of a face and were left ",
-                          "out (the first is on line ", first_line, ")"));
+    notes.push_back(concat(n_left_out,
+                           " pieces of polylines do not run along an edge of a face and were left ",
+                           "out (the first is on line ", first_line, ")"));
 }
 
 /// Leaves out the vertices that no face uses.
 void compact(ControlCage& cage, std::vector<char> in_face, const std::vector<char>& in_polyline,
-             std::vector<std::string>& told) {
+             std::vector<std::string>& notes) {
   long n_dropped = 0;
   std::vector<int> renamed(in_face.size(), -1);
   int n = 0;
@@ -156,7 +156,7 @@ void compact(ControlCage& cage, std::vector<char> in_face, const std::vector<cha
       n_dropped += in_polyline[v] == 0;
   }
   if (static_cast<size_t>(n) == in_face.size()) return;
-  if (n_dropped > 0) told.push_back(concat(n_dropped, " vertices that no face uses were left out"));
+  if (n_dropped > 0) notes.push_back(concat(n_dropped, " vertices that no face uses were left out"));
   Points kept(n, 3);
   for (size_t v = 0; v < in_face.size(); ++v)
     if (renamed[v] >= 0) kept.row(renamed[v]) = cage.mesh.positions.row(static_cast<Eigen::Index>(v));
@@ -302,14 +302,14 @@ std::string ply_text(const PolygonMesh& mesh, const Points& normals) {
 }  // namespace
 
 ControlCage parse_cage(std::string content, const std::string& path, std::vector<std::string>* warnings) {
-  std::vector<std::string> told;
-  detail::RawMesh raw = detail::parse_raw_mesh(std::move(content), path, told);
-  told.insert(told.end(), raw.warnings.begin(), raw.warnings.end());
+  std::vector<std::string> notes;
+  detail::RawMesh raw = detail::parse_raw_mesh(std::move(content), path, notes);
+  notes.insert(notes.end(), raw.warnings.begin(), raw.warnings.end());
   ControlCage cage;
   cage.mesh = std::move(raw.faces);
   if (cage.mesh.n_faces() == 0) throw FileError(path, 0, "holds no faces, expected a cage of polygons");
   if (raw.n_short_faces > 0)
-    told.push_back(concat(raw.n_short_faces, " faces with fewer than three corners were left out"));
+    notes.push_back(concat(raw.n_short_faces, " faces with fewer than three corners were left out"));
   cage.mesh.positions =
       Eigen::Map<const Points>(raw.positions.data(), static_cast<Eigen::Index>(raw.positions.size() / 3), 3);
   std::vector<char> in_face(raw.positions.size() / 3, 0), in_polyline(in_face.size(), 0);
@@ -321,10 +321,10 @@ ControlCage parse_cage(std::string content, const std::string& path, std::vector
   for (const detail::RawMesh::Polyline& polyline : raw.polylines)
     for (const int v : polyline.vertices) in_polyline[static_cast<size_t>(v)] = 1;
   const FaceEdges edges(cage.mesh);
-  add_tags(raw, edges, path, cage, told);
-  add_polylines(raw, in_face, edges, cage, told);
-  compact(cage, std::move(in_face), in_polyline, told);
-  if (warnings != nullptr) warnings->insert(warnings->end(), told.begin(), told.end());
+  add_tags(raw, edges, path, cage, notes);
+  add_polylines(raw, in_face, edges, cage, notes);
+  compact(cage, std::move(in_face), in_polyline, notes);
+  if (warnings != nullptr) warnings->insert(warnings->end(), notes.begin(), notes.end());
   return cage;
 }
 

@@ -18,7 +18,7 @@ struct HandleMotion {
   Points targets;  ///< one row per vertex, or 0 × 3: then the motion above holds
 };
 
-/// What a deformation is told: vertices that stay and vertices that move. No vertex is in two of them.
+/// What a deformation is given: vertices that stay and vertices that move. No vertex is in two of them.
 struct Handles {
   std::vector<int> fixed;
   std::vector<HandleMotion> moved;

@@ -38,10 +38,10 @@ RawMesh parse_obj_mesh(std::string content, const std::string& path);
 RawMesh parse_off(std::string content, const std::string& path);
 RawMesh parse_stl(std::string content, const std::string& path);
 
-/// The mesh of a file of any format, told by content and extension; `told` gets what differs between both.
-RawMesh parse_raw_mesh(std::string content, const std::string& path, std::vector<std::string>& told);
+/// The mesh of a file of any format, found by content and extension; `notes` gets what differs between both.
+RawMesh parse_raw_mesh(std::string content, const std::string& path, std::vector<std::string>& notes);
 
-/// Polygons split, normals of unit length, everything told in warnings.
+/// Polygons split, normals of unit length, everything reported in warnings.
 TriangleMesh finished_mesh(RawMesh&& raw, const std::string& path, std::vector<std::string>* warnings);
 
 /// True when the bytes can only be a binary STL: 80 bytes, a count, and exactly 50 bytes for each.

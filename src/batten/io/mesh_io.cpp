@@ -111,7 +111,7 @@ void finish_normals(TriangleMesh& mesh, std::vector<std::string>& warnings) {
 }  // namespace
 
 TriangleMesh finished_mesh(RawMesh&& raw, const std::string& path, std::vector<std::string>* warnings) {
-  std::vector<std::string> told = std::move(raw.warnings);
+  std::vector<std::string> notes = std::move(raw.warnings);
   if (raw.positions.empty()) throw FileError(path, 0, "holds no vertices, expected a mesh");
   const size_t n_faces = raw.faces.offsets.size() - 1;
   bool all_triangles = true;
@@ -133,23 +133,23 @@ TriangleMesh finished_mesh(RawMesh&& raw, const std::string& path, std::vector<s
     } catch (const InvalidInput& problem) {
       throw FileError(path, 0, problem.what());
     }
-    told.push_back(concat(n_polygons, " of ", n_faces,
-                          " faces have more than three corners and were split into triangles"));
+    notes.push_back(concat(n_polygons, " of ", n_faces,
+                           " faces have more than three corners and were split into triangles"));
   }
   if (raw.n_short_faces > 0)
-    told.push_back(concat(raw.n_short_faces, " faces with fewer than three corners were left out"));
+    notes.push_back(concat(raw.n_short_faces, " faces with fewer than three corners were left out"));
   if (!raw.polylines.empty())
-    told.push_back(concat(raw.polylines.size(), " polylines beside the faces were left out"));
+    notes.push_back(concat(raw.polylines.size(), " polylines beside the faces were left out"));
   if (!raw.tags.empty())
-    told.push_back(
+    notes.push_back(
         concat(raw.tags.size(), " subdivision tags ('t') were left out; batten subdivide reads them"));
-  if (mesh.n_triangles() == 0) told.emplace_back("the file holds points without faces");
+  if (mesh.n_triangles() == 0) notes.emplace_back("the file holds points without faces");
   if (!raw.normals.empty()) {
     mesh.normals = to_points(raw.normals);
-    finish_normals(mesh, told);
+    finish_normals(mesh, notes);
   }
   mesh.vertex_values = std::move(raw.vertex_values);
-  if (warnings != nullptr) warnings->insert(warnings->end(), told.begin(), told.end());
+  if (warnings != nullptr) warnings->insert(warnings->end(), notes.begin(), notes.end());
   return mesh;
 }
 
@@ -385,7 +385,7 @@ MeshFormat mesh_format(std::string_view path) {
 
 namespace detail {
 
-RawMesh parse_raw_mesh(std::string content, const std::string& path, std::vector<std::string>& told) {
+RawMesh parse_raw_mesh(std::string content, const std::string& path, std::vector<std::string>& notes) {
   if (content.empty()) throw FileError(path, 0, "is empty, expected a mesh");
   MeshFormat by_content = MeshFormat::Ply, format = MeshFormat::Ply;
   const bool shown = sniffed_format(content, by_content);
@@ -394,7 +394,7 @@ RawMesh parse_raw_mesh(std::string content, const std::string& path, std::vector
     throw FileError(path, 0, "is not recognised as a mesh; use a .ply, .obj, .off or .stl file");
   if (shown && (!named || by_content != format)) {
     if (named)
-      told.push_back(
+      notes.push_back(
           concat(path, " is a ", name_of(by_content), " file by its content and was read as such"));
     format = by_content;
   }
@@ -414,9 +414,9 @@ RawMesh parse_raw_mesh(std::string content, const std::string& path, std::vector
 }  // namespace detail
 
 TriangleMesh parse_mesh(std::string content, const std::string& path, std::vector<std::string>* warnings) {
-  std::vector<std::string> told;
-  detail::RawMesh raw = detail::parse_raw_mesh(std::move(content), path, told);
-  raw.warnings.insert(raw.warnings.begin(), told.begin(), told.end());
+  std::vector<std::string> notes;
+  detail::RawMesh raw = detail::parse_raw_mesh(std::move(content), path, notes);
+  raw.warnings.insert(raw.warnings.begin(), notes.begin(), notes.end());
   return detail::finished_mesh(std::move(raw), path, warnings);
 }
 

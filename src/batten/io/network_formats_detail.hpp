@@ -9,7 +9,7 @@
 // What the readers of the network formats share. Private to the room.
 namespace batten::detail {
 
-/// A reader's result: the network and what must be told.
+/// A reader's result: the network and its warnings.
 struct RawNetwork {
   CurveNetwork network;
   std::vector<std::string> warnings;

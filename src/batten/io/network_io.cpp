@@ -377,10 +377,10 @@ CurveNetwork parse_network(std::string content, const std::string& path, std::ve
   if (!shown && !named)
     throw FileError(path, 0,
                     "is not recognised as a curve network; use a .net, .obj, .json, .txt or .lop file");
-  std::vector<std::string> told;
+  std::vector<std::string> notes;
   if (shown && (!named || by_content != format)) {
     if (named)
-      told.push_back(concat(path, " is ", name_of(by_content), " by its content and was read as such"));
+      notes.push_back(concat(path, " is ", name_of(by_content), " by its content and was read as such"));
     format = by_content;
   }
   detail::RawNetwork raw;
@@ -404,7 +404,7 @@ CurveNetwork parse_network(std::string content, const std::string& path, std::ve
   }
   check_result(raw.network, path);
   if (warnings != nullptr) {
-    warnings->insert(warnings->end(), told.begin(), told.end());
+    warnings->insert(warnings->end(), notes.begin(), notes.end());
     warnings->insert(warnings->end(), raw.warnings.begin(), raw.warnings.end());
   }
   return std::move(raw.network);

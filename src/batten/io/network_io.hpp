@@ -18,11 +18,11 @@ enum class NetworkFormat {
                  ///< only)
 };
 
-/// Reads a curve network. The format is told by the content where that shows it, else by the extension.
+/// Reads a curve network. The format is that of the content where it shows, else by the extension.
 /// Normals are brought to unit length. Curves share a vertex only where the file says so by index, save in
 /// formats without indices (.txt, .lop), where a curve that ends on its own first point is closed and, in
 /// .lop, each curve begins at the end of the one before.
-/// @param warnings receives what a reader must tell: segments that were joined, parts that were left out.
+/// @param warnings receives what a reader has to report: segments that were joined, parts that were left out.
 /// @throws FileError naming the line, what was expected and the remedy.
 CurveNetwork read_network(const std::string& path, std::vector<std::string>* warnings = nullptr);
 
