@@ -7,7 +7,7 @@
 #include <benchmark/benchmark.h>
 
 #include "batten/strokes/estimated_cycles.hpp"
-#include "batten/strokes/sketch_cleaning.hpp"
+#include "batten/strokes/stroke_cleaning.hpp"
 
 namespace batten {
 namespace {
@@ -37,8 +37,8 @@ void BM_CyclesFromNormals(benchmark::State& state) {
 /// Strokes that cross without sharing a vertex made into the same network.
 void BM_CleanSketch(benchmark::State& state) {
   const CurveNetwork sketch = fixtures::unwelded(grid_of(state.range(0)));
-  CleanedSketch cleaned;
-  for (auto _ : state) cleaned = clean_sketch(sketch, {.weld_tolerance = 0.001, .reach = 0.002});
+  CleanedStrokes cleaned;
+  for (auto _ : state) cleaned = clean_strokes(sketch, {.weld_tolerance = 0.001, .reach = 0.002});
   state.counters["segments"] = static_cast<double>(network_topology(cleaned.network).segments.size());
 }
 

@@ -50,14 +50,15 @@ void convert_network(CurveNetwork network, const ConvertArguments& arguments, co
   if (arguments.sketch) {
     if (network.has_normals())
       throw InvalidInput(concat(arguments.in, " has normals, so it is no sketch; leave --sketch out"));
-    StrokeNetwork strokes = run_strokes({}, network, context, outcome);
+    NetworkOfStrokes strokes = run_strokes({}, network, context, outcome);
     outcome.figures["cycles"] = strokes.cycles.size();
     network = std::move(strokes.network);
   }
   if (!arguments.weld.empty()) {
     ScopedStage stage(outcome.times, "weld");
-    WeldReport report;
-    network = welded(network, length_in(network, arguments.weld), &report);
+    WeldedNetwork joined = welded(network, length_in(network, arguments.weld));
+    network = std::move(joined.network);
+    const WeldReport& report = joined.report;
     outcome.figures["merged_vertices"] = report.n_merged_vertices;
     outcome.figures["inserted_nodes"] = report.n_inserted_nodes;
     outcome.figures["removed_curves"] = report.n_removed_curves;

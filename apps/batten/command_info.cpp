@@ -164,7 +164,7 @@ int count_boundary_loops(const CurveNetwork& network) {
 /// file as it is move to "stored".
 void add_sketch_counts(const CurveNetwork& network, const Context& context, Outcome& outcome) {
   Json& f = outcome.figures;
-  StrokeNetwork made;
+  NetworkOfStrokes made;
   try {
     made = network_of_strokes(network, {}, context.progress);
   } catch (const InvalidInput& problem) {

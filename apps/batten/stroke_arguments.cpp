@@ -20,15 +20,15 @@ Json finding_json(const NetworkFinding& finding) {
 
 }  // namespace
 
-StrokeNetworkOptions stroke_options(const StrokeArguments& arguments) {
-  StrokeNetworkOptions options;
+NetworkOfStrokesOptions stroke_options(const StrokeArguments& arguments) {
+  NetworkOfStrokesOptions options;
   if (arguments.weld != "auto") options.weld = parse_length(arguments.weld);
   options.reach = arguments.reach == "none" ? Length{} : parse_length(arguments.reach);
   options.step = arguments.step == "none" ? Length{} : parse_length(arguments.step);
   return options;
 }
 
-void report_strokes(const StrokeNetwork& strokes, Outcome& outcome) {
+void report_strokes(const NetworkOfStrokes& strokes, Outcome& outcome) {
   Json& figures = outcome.figures;
   figures["strokes"] = strokes.n_strokes;
   figures["dangling_ends"] = strokes.n_dangling_ends;
@@ -48,10 +48,10 @@ void report_strokes(const StrokeNetwork& strokes, Outcome& outcome) {
   outcome.times.add(strokes.times);
 }
 
-StrokeNetwork run_strokes(const StrokeArguments& arguments, const CurveNetwork& strokes,
-                          const Context& context, Outcome& outcome) {
+NetworkOfStrokes run_strokes(const StrokeArguments& arguments, const CurveNetwork& strokes,
+                             const Context& context, Outcome& outcome) {
   if (!arguments.network.empty()) network_format(arguments.network);  // before any work is done
-  StrokeNetwork result = network_of_strokes(strokes, stroke_options(arguments), context.progress);
+  NetworkOfStrokes result = network_of_strokes(strokes, stroke_options(arguments), context.progress);
   report_strokes(result, outcome);
   Json diagnosis = Json::array();
   for (const NetworkFinding& finding : result.findings) {

@@ -25,8 +25,7 @@ CurveNetwork unwelded(double scale = 1) {
 
 TEST(Welded, JoinsCrossingsEndsAndTJunctions) {
   for (const double scale : {1.0, 1e-3, 1e3}) {
-    WeldReport report;
-    const CurveNetwork network = welded(unwelded(scale), 0.05 * scale, &report);
+    const auto [network, report] = welded(unwelded(scale), 0.05 * scale);
     const NetworkTopology topology = network_topology(network);
     EXPECT_EQ(topology.n_components, 1);
     // four arms of the cross, the arm with the T cut once more, the two other lines
@@ -44,7 +43,7 @@ TEST(Welded, JoinsCrossingsEndsAndTJunctions) {
 // No point of a curve moves further than the tolerance: every old sample is within it of the new polyline's
 // samples or unchanged.
 TEST(Welded, MovesNoPointFurtherThanTheTolerance) {
-  const CurveNetwork before = unwelded(), after = welded(before, 0.05);
+  const CurveNetwork before = unwelded(), after = welded(before, 0.05).network;
   for (size_t c = 0; c < before.curves.size(); ++c)
     for (const int v : before.curves[c].vertices) {
       double nearest = 1e9;
@@ -55,14 +54,13 @@ TEST(Welded, MovesNoPointFurtherThanTheTolerance) {
 }
 
 TEST(Welded, LeavesAWeldedNetworkAsItIs) {
-  const CurveNetwork once = welded(unwelded(), 0.05);
-  WeldReport report;
-  const CurveNetwork twice = welded(once, 0.05, &report);
+  const CurveNetwork once = welded(unwelded(), 0.05).network;
+  const auto [twice, report] = welded(once, 0.05);
   EXPECT_EQ(once.positions, twice.positions);
   EXPECT_EQ(report.n_merged_vertices, 0);
   EXPECT_EQ(report.n_inserted_nodes, 0);
   const CurveNetwork sphere = fixtures::three_great_circles(10);
-  const CurveNetwork same = welded(sphere, 0.01);
+  const CurveNetwork same = welded(sphere, 0.01).network;
   EXPECT_EQ(same.positions, sphere.positions);
   EXPECT_EQ(same.normals, sphere.normals);
   for (size_t c = 0; c < 3; ++c) EXPECT_EQ(same.curves[c].vertices, sphere.curves[c].vertices);
@@ -73,7 +71,7 @@ TEST(Welded, ClosesACurveWhoseEndsAlmostMeet) {
   Points ring(50, 3);
   for (int i = 0; i < 50; ++i) ring.row(i) << std::cos(2 * kPi * i / 49.1), std::sin(2 * kPi * i / 49.1), 0;
   add_polyline(network, ring);
-  const CurveNetwork closed = welded(network, 0.05);
+  const CurveNetwork closed = welded(network, 0.05).network;
   ASSERT_EQ(closed.curves.size(), 1u);
   EXPECT_TRUE(closed.curves[0].closed());
 }

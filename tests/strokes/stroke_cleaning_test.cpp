@@ -1,4 +1,4 @@
-#include "batten/strokes/sketch_cleaning.hpp"
+#include "batten/strokes/stroke_cleaning.hpp"
 
 #include "network/sphere_network.hpp"
 #include "network/torus_grid.hpp"
@@ -26,7 +26,7 @@ Points arc(double begin, double end, int n, double r = 1, double z = 0) {
   return points;
 }
 
-int count(const CleanedSketch& sketch, NetworkDefect defect) {
+int count(const CleanedStrokes& sketch, NetworkDefect defect) {
   return static_cast<int>(std::count_if(sketch.findings.begin(), sketch.findings.end(),
                                         [&](const NetworkFinding& f) { return f.defect == defect; }));
 }
@@ -74,7 +74,7 @@ TEST(JoinedCurves, CloseAndKeepCrossings) {
 // nodes, twelve segments. Nothing moves by more than the miss.
 TEST(CleanSketch, WeldsCrossings) {
   const CurveNetwork sketch = missing_circles(0.002);
-  const CleanedSketch cleaned = clean_sketch(sketch);
+  const CleanedStrokes cleaned = clean_strokes(sketch);
   EXPECT_EQ(cleaned.n_strokes, 3);
   const NetworkTopology topology = network_topology(cleaned.network);
   EXPECT_EQ(topology.nodes.size(), 6u);
@@ -92,7 +92,7 @@ TEST(CleanSketch, LeavesOutWhatIsDrawnTwice) {
   Points again = arc(0.1, 1.4, 20, 1.004);
   // The third circle lies in the xy plane.
   fixtures::add_polyline(sketch, again);
-  const CleanedSketch cleaned = clean_sketch(sketch);
+  const CleanedStrokes cleaned = clean_strokes(sketch);
   EXPECT_EQ(cleaned.n_strokes, 4);
   EXPECT_EQ(cleaned.n_overdrawn, 1);
   const NetworkTopology topology = network_topology(cleaned.network);
@@ -108,7 +108,7 @@ TEST(CleanSketch, ClosesACircleDrawnOverItsBeginning) {
   for (Eigen::Index i = 0; i < circle.rows(); ++i)
     circle.row(i) *= 1 + 0.01 * static_cast<double>(i) / static_cast<double>(circle.rows());
   fixtures::add_polyline(sketch, circle);
-  const CleanedSketch cleaned = clean_sketch(sketch);
+  const CleanedStrokes cleaned = clean_strokes(sketch);
   EXPECT_EQ(cleaned.n_overdrawn, 1);
   const NetworkTopology topology = network_topology(cleaned.network);
   EXPECT_EQ(topology.nodes.size(), 6u);
@@ -124,7 +124,7 @@ TEST(CleanSketch, ExtendsEndsThatStopShort) {
   // Between the plane y = 0 and the plane x = 0, at 45 degrees latitude.
   const double r = std::sqrt(0.5), short_of = gap / r;
   fixtures::add_polyline(sketch, arc(short_of, kPi / 2 - short_of, 20, r, r));
-  const CleanedSketch cleaned = clean_sketch(sketch);
+  const CleanedStrokes cleaned = clean_strokes(sketch);
   ASSERT_EQ(count(cleaned, NetworkDefect::NearMiss), 2);
   EXPECT_EQ(cleaned.n_extended_ends, 2);
   for (const NetworkFinding& finding : cleaned.findings)
@@ -135,9 +135,9 @@ TEST(CleanSketch, ExtendsEndsThatStopShort) {
   EXPECT_EQ(topology.nodes.size(), 8u);
   EXPECT_EQ(topology.segments.size(), 15u);
   // Out of reach the arc is left out, in words with its place.
-  SketchCleaningOptions near;
+  StrokeCleaningOptions near;
   near.reach = 0.006;
-  const CleanedSketch without = clean_sketch(sketch, near);
+  const CleanedStrokes without = clean_strokes(sketch, near);
   EXPECT_EQ(network_topology(without.network).segments.size(), 12u);
   EXPECT_EQ(without.n_left_out, 1);
   ASSERT_EQ(without.warnings.size(), 1u);
@@ -149,7 +149,7 @@ TEST(CleanSketch, LeadsTwoEndsToEachOther) {
   CurveNetwork sketch = missing_circles(0);
   sketch.curves.pop_back();
   fixtures::add_polyline(sketch, arc(0.4, 0.4 + 2 * kPi - 0.03, 80));
-  const CleanedSketch cleaned = clean_sketch(sketch);
+  const CleanedStrokes cleaned = clean_strokes(sketch);
   EXPECT_EQ(cleaned.n_extended_ends, 1);
   EXPECT_EQ(network_topology(cleaned.network).segments.size(), 12u);
   EXPECT_EQ(network_topology(cleaned.network).nodes.size(), 6u);
@@ -169,7 +169,7 @@ TEST(CleanSketch, LeavesOutBridges) {
   }
   fixtures::add_polyline(sketch, fixtures::line({1, 0, 0}, {3, 0, 0}, 10));
   sketch.normals.resize(0, 3);
-  const CleanedSketch cleaned = clean_sketch(sketch);
+  const CleanedStrokes cleaned = clean_strokes(sketch);
   EXPECT_EQ(cleaned.n_left_out, 1);
   ASSERT_EQ(cleaned.warnings.size(), 1u);
   EXPECT_NE(cleaned.warnings[0].find("only way between two parts"), std::string::npos);
@@ -183,7 +183,7 @@ TEST(CleanSketch, CollapsesNodesThatLieTogether) {
   CurveNetwork sketch = missing_circles(0);
   fixtures::add_polyline(sketch, arc(0, 2 * kPi, 30, 0.005, 1));
   sketch.curves.back().vertices.back() = sketch.curves.back().vertices.front();
-  const CleanedSketch cleaned = clean_sketch(sketch);
+  const CleanedStrokes cleaned = clean_strokes(sketch);
   EXPECT_EQ(network_topology(cleaned.network).segments.size(), 12u);
 }
 
@@ -206,22 +206,22 @@ TEST(CleanSketch, TellsStrokesOfWhichNothingIsLeft) {
   NetworkCurve again = sketch.curves[0];
   for (int& v : again.vertices) v += static_cast<int>(2 * n);
   sketch.curves.push_back(again);
-  SketchCleaningOptions options;
+  StrokeCleaningOptions options;
   options.weld_tolerance = 0.01;
-  const CleanedSketch cleaned = clean_sketch(sketch, options);
+  const CleanedStrokes cleaned = clean_strokes(sketch, options);
   EXPECT_EQ(cleaned.n_left_out, 3);
   ASSERT_EQ(cleaned.warnings.size(), 3u);
   for (const std::string& warning : cleaned.warnings)
     EXPECT_NE(warning.find("small"), std::string::npos) << warning;
   options.weld_tolerance = 1e-5;
   options.shortest_side = 0;
-  EXPECT_EQ(clean_sketch(sketch, options).n_left_out, 0);
+  EXPECT_EQ(clean_strokes(sketch, options).n_left_out, 0);
 }
 
 TEST(CleanSketch, GivesNothingWhereNothingCloses) {
   CurveNetwork sketch;
   fixtures::add_polyline(sketch, fixtures::line({0, 0, 0}, {1, 0, 0}, 5));
-  const CleanedSketch cleaned = clean_sketch(sketch);
+  const CleanedStrokes cleaned = clean_strokes(sketch);
   EXPECT_TRUE(cleaned.network.curves.empty());
   EXPECT_EQ(count(cleaned, NetworkDefect::DanglingEnd), 2);
 }
@@ -229,11 +229,11 @@ TEST(CleanSketch, GivesNothingWhereNothingCloses) {
 // Scaled by powers of ten and moved, a sketch gives the same network.
 TEST(CleanSketch, DoesNotDependOnScale) {
   const CurveNetwork sketch = missing_circles(0.003);
-  const CleanedSketch expected = clean_sketch(sketch);
+  const CleanedStrokes expected = clean_strokes(sketch);
   for (const double scale : {1e-3, 1e3}) {
     CurveNetwork scaled = sketch;
     scaled.positions = (scale * scaled.positions).rowwise() + Eigen::RowVector3d(1, 2, 3) * scale;
-    const CleanedSketch cleaned = clean_sketch(scaled);
+    const CleanedStrokes cleaned = clean_strokes(scaled);
     ASSERT_EQ(cleaned.network.curves.size(), expected.network.curves.size());
     for (size_t c = 0; c < cleaned.network.curves.size(); ++c)
       EXPECT_EQ(cleaned.network.curves[c].vertices, expected.network.curves[c].vertices);
@@ -242,16 +242,16 @@ TEST(CleanSketch, DoesNotDependOnScale) {
 
 TEST(CleanSketch, RefusesOptionsOutOfRange) {
   const CurveNetwork sketch = missing_circles(0.002);
-  SketchCleaningOptions options;
+  StrokeCleaningOptions options;
   options.weld_tolerance = 0;
-  EXPECT_THROW(clean_sketch(sketch, options), InvalidInput);
+  EXPECT_THROW(clean_strokes(sketch, options), InvalidInput);
   options = {};
   options.reach = -1;
-  EXPECT_THROW(clean_sketch(sketch, options), InvalidInput);
+  EXPECT_THROW(clean_strokes(sketch, options), InvalidInput);
   CurveNetwork point;
   point.positions = Points::Zero(2, 3);
   point.curves = {{"", false, {0, 1}}};
-  EXPECT_THROW(clean_sketch(point), InvalidInput);
+  EXPECT_THROW(clean_strokes(point), InvalidInput);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "batten/strokes/sketch_network.hpp"
+#include "batten/strokes/stroke_network.hpp"
 
 #include "network/torus_grid.hpp"
 
@@ -34,7 +34,7 @@ TEST_P(CleanSketches, GiveTheirPatches) {
   const KnownSketch& known = GetParam();
   const std::string path = std::string(BATTEN_SHARED_DATA) + "/curves/" + known.file;
   if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is missing";
-  const SketchNetwork made = sketch_network(read_network(path));
+  const StrokeNetwork made = stroke_network(read_network(path));
   const NetworkTopology topology = network_topology(made.network);
   EXPECT_EQ(topology.nodes.size(), known.nodes);
   EXPECT_EQ(topology.segments.size(), known.segments);
@@ -44,10 +44,10 @@ TEST_P(CleanSketches, GiveTheirPatches) {
   EXPECT_EQ(made.estimate.n_one_sided, 0);
   EXPECT_TRUE(made.estimate.open_curves.empty());
   EXPECT_TRUE(made.estimate.warnings.empty());
-  EXPECT_EQ(made.sketch.n_left_out, 0);
+  EXPECT_EQ(made.strokes.n_left_out, 0);
   EXPECT_TRUE(made.network.has_normals());
 }
-INSTANTIATE_TEST_SUITE_P(SketchNetwork, CleanSketches,
+INSTANTIATE_TEST_SUITE_P(StrokeNetwork, CleanSketches,
                          testing::Values(KnownSketch{"sketch_trebol_flowrep.obj", 18, 36, 20, 0},
                                          KnownSketch{"sketch_torus.obj", 16, 32, 16, 1},
                                          KnownSketch{"sketch_spherecylinder.obj", 14, 28, 16, 0},
@@ -75,10 +75,10 @@ TEST_P(RoughSketches, HaveEveryFreeEndListed) {
   const std::string path = std::string(BATTEN_SHARED_DATA) + "/curves/" + GetParam().file;
   if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is missing";
   const CurveNetwork sketch = read_network(path);
-  const SketchNetwork made = sketch_network(sketch);
-  EXPECT_EQ(made.sketch.n_strokes, GetParam().strokes);
+  const StrokeNetwork made = stroke_network(sketch);
+  EXPECT_EQ(made.strokes.n_strokes, GetParam().strokes);
   int named = 0;
-  for (const NetworkFinding& finding : made.sketch.findings)
+  for (const NetworkFinding& finding : made.strokes.findings)
     if (finding.defect == NetworkDefect::DanglingEnd || finding.defect == NetworkDefect::NearMiss ||
         finding.defect == NetworkDefect::TJunction) {
       ++named;
@@ -90,7 +90,7 @@ TEST_P(RoughSketches, HaveEveryFreeEndListed) {
   EXPECT_EQ(named, GetParam().free_ends);
   EXPECT_GT(made.estimate.cycles.size(), 20u);
 }
-INSTANTIATE_TEST_SUITE_P(SketchNetwork, RoughSketches,
+INSTANTIATE_TEST_SUITE_P(StrokeNetwork, RoughSketches,
                          testing::Values(RoughSketch{"sketch_gamepad.obj", 108, 216},
                                          RoughSketch{"sketch_guitar.obj", 85, 170},
                                          RoughSketch{"sketch_car.obj", 68, 43}),
@@ -102,12 +102,12 @@ INSTANTIATE_TEST_SUITE_P(SketchNetwork, RoughSketches,
 // 114 curves that cross every few samples: what is too short to bound a patch goes, the rest stays. A net of
 // four curves at a node has as many patches as nodes, less the border; 1,177 nodes are left here, many of
 // six.
-TEST(SketchNetwork, StandsDenseCurves) {
+TEST(StrokeNetwork, StandsDenseCurves) {
   const std::string path = std::string(BATTEN_SHARED_DATA) + "/curves/kagome_114_regular.txt";
   if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is missing";
-  SketchNetworkOptions options;
+  StrokeNetworkOptions options;
   options.weld_tolerance = 0.005;
-  const SketchNetwork made = sketch_network(read_network(path), options);
+  const StrokeNetwork made = stroke_network(read_network(path), options);
   EXPECT_GT(made.estimate.cycles.size(), network_topology(made.network).nodes.size());
   for (const NetworkCycle& cycle : made.estimate.cycles)
     for (const NetworkCycle::Loop& loop : cycle.loops) EXPECT_GE(loop.vertices.size(), 3u);
@@ -115,7 +115,7 @@ TEST(SketchNetwork, StandsDenseCurves) {
 
 // Circles of a torus that miss each other by up to 0.9 % of the diameter: the least tolerance that is tried
 // joins some of them only; a larger one gives the torus, 5 × 8 patches and its hole.
-TEST(SketchNetwork, FindsTheToleranceThatTheSketchNeeds) {
+TEST(StrokeNetwork, FindsTheToleranceThatTheSketchNeeds) {
   const CurveNetwork exact = fixtures::torus_grid(5, 8, 10, 0);
   CurveNetwork sketch = fixtures::unwelded(exact);
   const double diameter = bounding_box_diagonal(sketch.positions);
@@ -126,28 +126,28 @@ TEST(SketchNetwork, FindsTheToleranceThatTheSketchNeeds) {
     for (size_t k = 0; k + 1 < sketch.curves[c].vertices.size(); ++k)
       sketch.positions.row(sketch.curves[c].vertices[k]) += shift;
   }
-  const SketchNetwork made = sketch_network(sketch);
+  const StrokeNetwork made = stroke_network(sketch);
   EXPECT_GT(made.weld_tolerance, 0.005);
   EXPECT_EQ(made.estimate.cycles.size(), 40u);
   EXPECT_EQ(made.estimate.n_handles, 1);
-  SketchNetworkOptions tight;
+  StrokeNetworkOptions tight;
   tight.weld_tolerance = 0.004;
-  EXPECT_NE(sketch_network(sketch, tight).estimate.cycles.size(), 40u);
+  EXPECT_NE(stroke_network(sketch, tight).estimate.cycles.size(), 40u);
 }
 
 // Exact strokes need no tolerance but the least.
-TEST(SketchNetwork, TakesTheLeastToleranceThatWillDo) {
-  const SketchNetwork made = sketch_network(fixtures::unwelded(fixtures::torus_grid(4, 6, 10, 0.1)));
+TEST(StrokeNetwork, TakesTheLeastToleranceThatWillDo) {
+  const StrokeNetwork made = stroke_network(fixtures::unwelded(fixtures::torus_grid(4, 6, 10, 0.1)));
   EXPECT_EQ(made.weld_tolerance, 0.005);
   EXPECT_EQ(made.estimate.cycles.size(), 24u);
 }
 
 // Samples lie about `step` apart, or where they lay.
-TEST(SketchNetwork, SamplesTheCurvesEvenly) {
+TEST(StrokeNetwork, SamplesTheCurvesEvenly) {
   const CurveNetwork sketch = fixtures::unwelded(fixtures::torus_grid(4, 6, 30, 0));
-  SketchNetworkOptions options;
+  StrokeNetworkOptions options;
   options.step = 0.03;
-  const SketchNetwork made = sketch_network(sketch, options);
+  const StrokeNetwork made = stroke_network(sketch, options);
   const double step = 0.03 * bounding_box_diagonal(sketch.positions);
   for (const NetworkCurve& curve : made.network.curves)
     for (size_t k = 1; k < curve.vertices.size(); ++k) {
@@ -157,26 +157,26 @@ TEST(SketchNetwork, SamplesTheCurvesEvenly) {
       EXPECT_NEAR(length, step, 0.35 * step);
     }
   options.step = 0;
-  EXPECT_EQ(sketch_network(sketch, options).network.positions.rows(), made.sketch.network.positions.rows());
+  EXPECT_EQ(stroke_network(sketch, options).network.positions.rows(), made.strokes.network.positions.rows());
 }
 
-TEST(SketchNetwork, SaysWhyThereIsNothingToSurface) {
+TEST(StrokeNetwork, SaysWhyThereIsNothingToSurface) {
   CurveNetwork sketch;
   sketch.positions.resize(2, 3);
   sketch.positions << 0, 0, 0, 1, 0, 0;
   sketch.curves = {{"", false, {0, 1}}};
   try {
-    sketch_network(sketch);
+    stroke_network(sketch);
     FAIL() << "a line was taken for a surface";
   } catch (const InvalidInput& error) {
     EXPECT_NE(std::string(error.what()).find("no closed cycle"), std::string::npos) << error.what();
   }
-  SketchNetworkOptions options;
+  StrokeNetworkOptions options;
   options.step = 1;
-  EXPECT_THROW(sketch_network(fixtures::torus_grid(3, 3, 4, 0), options), InvalidInput);
+  EXPECT_THROW(stroke_network(fixtures::torus_grid(3, 3, 4, 0), options), InvalidInput);
   options = {};
   options.weld_tolerance = -0.1;
-  EXPECT_THROW(sketch_network(fixtures::torus_grid(3, 3, 4, 0), options), InvalidInput);
+  EXPECT_THROW(stroke_network(fixtures::torus_grid(3, 3, 4, 0), options), InvalidInput);
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 #include "batten/core/error.hpp"
 #include "batten/io/network_io.hpp"
 #include "batten/mesh/adjacency.hpp"
-#include "batten/strokes/sketch_network.hpp"
+#include "batten/strokes/stroke_network.hpp"
 #include "batten/surfacing/surface.hpp"
 
 // Surfaces over patches and normals that were found from curves alone.
@@ -54,8 +54,8 @@ TEST(SurfaceOfASketch, IsASphereOverItsCircles) {
 
 // Circles of a torus of radii 2 and 1 (diameter of its box 8.7): mean distance from it in per cent.
 TEST(SurfaceOfASketch, IsNearlyATorusOverItsCircles) {
-  const SketchNetwork made =
-      sketch_network(fixtures::unwelded(fixtures::torus_grid(8, 8, 20, 0)), {.step = 0.03});
+  const StrokeNetwork made =
+      stroke_network(fixtures::unwelded(fixtures::torus_grid(8, 8, 20, 0)), {.step = 0.03});
   const SurfaceResult surface = surface_network(made.network, made.estimate.cycles);
   double mean = 0;
   for (Eigen::Index v = 0; v < surface.mesh.n_vertices(); ++v) {
@@ -101,9 +101,9 @@ class ConnectedSketches : public testing::TestWithParam<std::pair<const char*, i
 TEST_P(ConnectedSketches, GiveAClosedSurface) {
   const std::string path = std::string(BATTEN_SHARED_DATA) + "/curves/" + GetParam().first;
   if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is missing";
-  SketchNetworkOptions options;
+  StrokeNetworkOptions options;
   options.step = 0.03;  // coarse, for builds with sanitizers
-  const SketchNetwork made = sketch_network(read_network(path), options);
+  const StrokeNetwork made = stroke_network(read_network(path), options);
   const SurfaceResult surface = surface_network(made.network, made.estimate.cycles);
   const MeshTopology topology = mesh_topology(surface.mesh.triangles, surface.mesh.n_vertices());
   EXPECT_TRUE(topology.is_watertight());

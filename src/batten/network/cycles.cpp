@@ -1,3 +1,5 @@
+#include "batten/network/cycles.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,7 +15,6 @@
 #include "batten/core/units.hpp"
 #include "batten/mesh/triangle_mesh.hpp"
 #include "batten/network/curve_network.hpp"
-#include "batten/network/cycles.hpp"
 #include "batten/network/end_parabola.hpp"
 
 namespace batten {
@@ -22,18 +23,19 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Dart 2s walks segment s forwards, dart 2s + 1 backwards; the patch of a dart lies to its left.
-using Dart = int;
-constexpr Dart twin(Dart d) {
+/// Half-edge 2s walks segment s forwards, half-edge 2s + 1 backwards; the patch of a half-edge lies to its
+/// left.
+using HalfEdge = int;
+constexpr HalfEdge twin(HalfEdge d) {
   return d ^ 1;
 }
 
-/// A closed walk of darts and what is known of the region to its left.
+/// A closed walk of half-edges and what is known of the region to its left.
 struct Orbit {
-  std::vector<Dart> darts;
+  std::vector<HalfEdge> half_edges;
   std::vector<int> vertices;  ///< without repetition at the end
   double turning = 0;         ///< total exterior angle in the tangent planes, radians
-  bool only_boundary = true;  ///< no dart of a segment that is not on the border
+  bool only_boundary = true;  ///< no half-edge of a segment that is not on the border
   int component = -1;
 };
 
@@ -51,7 +53,7 @@ class CycleFinder {
   CycleReport find() {
     check_input();
     if (orders_ == nullptr)
-      order_darts();
+      order_half_edges();
     else
       take_orders();
     trace_orbits();
@@ -63,11 +65,13 @@ class CycleFinder {
  private:
   Vector3d point(int v) const { return network_.positions.row(v); }
   Vector3d normal(int v) const { return normals_.row(v); }
-  const NetworkSegment& segment(Dart d) const { return topology_.segments[d / 2]; }
-  int start(Dart d) const { return d % 2 == 0 ? segment(d).vertices.front() : segment(d).vertices.back(); }
-  int end(Dart d) const { return start(twin(d)); }
-  /// The i-th vertex of the dart's walk.
-  int walk(Dart d, std::size_t i) const {
+  const NetworkSegment& segment(HalfEdge d) const { return topology_.segments[d / 2]; }
+  int start(HalfEdge d) const {
+    return d % 2 == 0 ? segment(d).vertices.front() : segment(d).vertices.back();
+  }
+  int end(HalfEdge d) const { return start(twin(d)); }
+  /// The i-th vertex of the half-edge's walk.
+  int walk(HalfEdge d, std::size_t i) const {
     const std::vector<int>& vertices = segment(d).vertices;
     return d % 2 == 0 ? vertices[i] : vertices[vertices.size() - 1 - i];
   }
@@ -97,9 +101,9 @@ class CycleFinder {
       }
   }
 
-  /// The direction in which a dart leaves its node: the derivative of the parabola through the node that fits
-  /// the first few samples, so that neither a bend nor noise of one sample turns it.
-  Vector3d direction(Dart d) const {
+  /// The direction in which a half-edge leaves its node: the derivative of the parabola through the node that
+  /// fits the first few samples, so that neither a bend nor noise of one sample turns it.
+  Vector3d direction(HalfEdge d) const {
     constexpr std::size_t kSamples = 4;
     const std::size_t count = std::min(kSamples, segment(d).vertices.size() - 1);
     detail::EndParabola parabola(point(start(d)));
@@ -109,12 +113,12 @@ class CycleFinder {
 
   struct Spoke {
     double angle;
-    Dart dart;
+    HalfEdge half_edge;
   };
 
-  /// Signed angle at which two darts of one node part, looked at where they are a few degrees apart: curves
-  /// that touch have no order at the node itself.
-  double parting(Dart a, Dart b) const {
+  /// Signed angle at which two half-edges of one node part, looked at where they are a few degrees apart:
+  /// curves that touch have no order at the node itself.
+  double parting(HalfEdge a, HalfEdge b) const {
     const int node = start(a);
     const Vector3d x = point(node), N = normal(node);
     double angle = 0;
@@ -127,10 +131,10 @@ class CycleFinder {
     return angle;
   }
 
-  void order_darts() {
-    const auto n_darts = static_cast<Dart>(2 * topology_.segments.size());
+  void order_half_edges() {
+    const auto n_half_edges = static_cast<HalfEdge>(2 * topology_.segments.size());
     std::vector<std::vector<Spoke>> spokes(topology_.nodes.size());
-    for (Dart d = 0; d < n_darts; ++d) {
+    for (HalfEdge d = 0; d < n_half_edges; ++d) {
       const int v = start(d);
       const Vector3d N = normal(v);
       Vector3d axis = Vector3d::Zero();
@@ -141,16 +145,16 @@ class CycleFinder {
       const Vector3d t = direction(d);
       spokes[topology_.node_of_vertex[v]].push_back({std::atan2(t.dot(w), t.dot(u)), d});
     }
-    next_.assign(n_darts, -1);
+    next_.assign(n_half_edges, -1);
     for (std::size_t node = 0; node < spokes.size(); ++node) {
       std::vector<Spoke>& around = spokes[node];
       if (around.size() == 1) {
-        const Dart d = around.front().dart;
+        const HalfEdge d = around.front().half_edge;
         throw InvalidInput(concat(name(d / 2), " ends at vertex ", topology_.nodes[node],
                                   " without meeting another curve; join it to the network or remove it"));
       }
       std::sort(around.begin(), around.end(), [](const Spoke& a, const Spoke& b) {
-        return a.angle != b.angle ? a.angle < b.angle : a.dart < b.dart;
+        return a.angle != b.angle ? a.angle < b.angle : a.half_edge < b.half_edge;
       });
       if (around.size() > 2) {
         // Begin after the widest gap: curves that touch then stand side by side, never across the ends.
@@ -171,19 +175,20 @@ class CycleFinder {
             Spoke& first = around[i];
             Spoke& second = around[i + 1];
             const double gap = std::remainder(second.angle - first.angle, 2 * kPi);
-            if (std::abs(gap) < radians(4) && parting(first.dart, second.dart) < 0)
-              std::swap(first.dart, second.dart);
+            if (std::abs(gap) < radians(4) && parting(first.half_edge, second.half_edge) < 0)
+              std::swap(first.half_edge, second.half_edge);
           }
       }
-      // With the patch to the left, a walk that arrives by a dart leaves by the one clockwise of its twin.
+      // With the patch to the left, a walk that arrives by a half-edge leaves by the one clockwise of its
+      // twin.
       for (std::size_t i = 0; i < around.size(); ++i)
-        next_[twin(around[(i + 1) % around.size()].dart)] = around[i].dart;
+        next_[twin(around[(i + 1) % around.size()].half_edge)] = around[i].half_edge;
     }
   }
 
   void take_orders() {
     next_.assign(2 * topology_.segments.size(), -1);
-    for (const std::vector<int>& around : orders_->darts)
+    for (const std::vector<int>& around : orders_->half_edges)
       for (std::size_t i = 0; i < around.size(); ++i)
         next_[twin(around[(i + 1) % around.size()])] = around[i];
   }
@@ -202,15 +207,15 @@ class CycleFinder {
   }
 
   void trace_orbits() {
-    orbit_of_dart_.assign(next_.size(), -1);
-    for (Dart first = 0; first < static_cast<Dart>(next_.size()); ++first) {
-      if (orbit_of_dart_[first] >= 0) continue;
+    orbit_of_half_edge_.assign(next_.size(), -1);
+    for (HalfEdge first = 0; first < static_cast<HalfEdge>(next_.size()); ++first) {
+      if (orbit_of_half_edge_[first] >= 0) continue;
       Orbit orbit;
       orbit.component = topology_.component_of_node[topology_.node_of_vertex[start(first)]];
-      Dart d = first;
+      HalfEdge d = first;
       do {
-        orbit_of_dart_[d] = static_cast<int>(orbits_.size());
-        orbit.darts.push_back(d);
+        orbit_of_half_edge_[d] = static_cast<int>(orbits_.size());
+        orbit.half_edges.push_back(d);
         if (!segment(d).boundary) orbit.only_boundary = false;
         for (std::size_t i = 0; i + 1 < segment(d).vertices.size(); ++i) orbit.vertices.push_back(walk(d, i));
         d = next_[d];
@@ -297,7 +302,8 @@ class CycleFinder {
 
   /// A loop that is a component of its own.
   bool is_lone(const Orbit& orbit) const {
-    return orbits_[orbit_of_dart_[twin(orbit.darts.front())]].darts.size() == orbit.darts.size();
+    return orbits_[orbit_of_half_edge_[twin(orbit.half_edges.front())]].half_edges.size() ==
+           orbit.half_edges.size();
   }
 
   /// A disc by itself, or one end of a tube.
@@ -306,7 +312,7 @@ class CycleFinder {
   /// The outside of a sheet bounds no patch with anything that is near it. The outside of a lone loop may: a
   /// loop drawn on a patch divides it.
   bool lies_outside(const Orbit& orbit) const {
-    return orders_ != nullptr && orders_->outside[orbit.darts.front()] && !is_lone(orbit);
+    return orders_ != nullptr && orders_->outside[orbit.half_edges.front()] && !is_lone(orbit);
   }
 
   bool worth_joining(const std::vector<int>& a, const std::vector<int>& b) const {
@@ -343,7 +349,7 @@ class CycleFinder {
     }
     for (std::size_t s = 0; s < topology_.segments.size(); ++s) {
       if (!topology_.segments[s].boundary) continue;
-      const int left = group_[orbit_of_dart_[2 * s]], right = group_[orbit_of_dart_[2 * s + 1]];
+      const int left = group_[orbit_of_half_edge_[2 * s]], right = group_[orbit_of_half_edge_[2 * s + 1]];
       if (left == right)
         throw InvalidInput(
             concat(name(static_cast<int>(s)),
@@ -362,8 +368,8 @@ class CycleFinder {
     }
     if (orders_ != nullptr) {
       for (std::size_t d = 0; d < next_.size(); ++d)
-        if (orders_->outside[d] && !joined[group_[orbit_of_dart_[d]]])
-          outside_[group_[orbit_of_dart_[d]]] = 1;
+        if (orders_->outside[d] && !joined[group_[orbit_of_half_edge_[d]]])
+          outside_[group_[orbit_of_half_edge_[d]]] = 1;
       return;
     }
     for (std::size_t g = 0; g < orbits_.size(); ++g)
@@ -374,7 +380,7 @@ class CycleFinder {
   [[noreturn]] void report_untagged(int group) const {
     std::set<int> curves;
     for (const int i : members(group))
-      for (const Dart d : orbits_[i].darts)
+      for (const HalfEdge d : orbits_[i].half_edges)
         if (!segment(d).boundary) curves.insert(segment(d).curve);
     std::string names;
     for (const int c : curves) names += (names.empty() ? "" : ", ") + curve_name(network_, c);
@@ -457,13 +463,13 @@ class CycleFinder {
                 loop.vertices.end());
     // The walk over segments begins with the one that holds the first edge.
     std::size_t passed = 0, begin = 0;
-    for (std::size_t i = 0; i < orbit.darts.size(); ++i) {
-      const std::size_t length = segment(orbit.darts[i]).vertices.size() - 1;
+    for (std::size_t i = 0; i < orbit.half_edges.size(); ++i) {
+      const std::size_t length = segment(orbit.half_edges[i]).vertices.size() - 1;
       if (first >= passed && first < passed + length) begin = i;
       passed += length;
     }
-    for (std::size_t i = 0; i < orbit.darts.size(); ++i) {
-      const Dart d = orbit.darts[(begin + i) % orbit.darts.size()];
+    for (std::size_t i = 0; i < orbit.half_edges.size(); ++i) {
+      const HalfEdge d = orbit.half_edges[(begin + i) % orbit.half_edges.size()];
       loop.segments.push_back(d % 2 == 0 ? d / 2 : ~(d / 2));
     }
     return loop;
@@ -473,9 +479,9 @@ class CycleFinder {
   NetworkTopology topology_;
   const detail::NodeOrders* orders_;
   Points normals_;
-  std::vector<Dart> next_;
+  std::vector<HalfEdge> next_;
   std::vector<Orbit> orbits_;
-  std::vector<int> orbit_of_dart_;
+  std::vector<int> orbit_of_half_edge_;
   std::vector<int> group_;  ///< per orbit: the least orbit of its patch
   std::vector<char> outside_;
 };

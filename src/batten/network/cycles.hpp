@@ -8,10 +8,10 @@ namespace batten::detail {
 
 /// What is known about a network beyond its curves.
 struct NodeOrders {
-  /// Per node of network_topology() the darts that leave it, counter-clockwise seen from outside; dart 2s
-  /// walks segment s forwards, dart 2s + 1 backwards.
-  std::vector<std::vector<int>> darts;
-  /// Per dart: the region to its left is no patch but the outside of the surface.
+  /// Per node of network_topology() the half-edges that leave it, counter-clockwise seen from outside;
+  /// half-edge 2s walks segment s forwards, half-edge 2s + 1 backwards.
+  std::vector<std::vector<int>> half_edges;
+  /// Per half-edge: the region to its left is no patch but the outside of the surface.
   std::vector<char> outside;
 };
 

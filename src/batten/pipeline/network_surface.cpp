@@ -93,7 +93,7 @@ NetworkSurface network_surface(const CurveNetwork& network, const std::vector<Ne
   return result;
 }
 
-CurvesSurface curves_surface(const CurveNetwork& curves, const StrokeNetworkOptions& strokes,
+CurvesSurface curves_surface(const CurveNetwork& curves, const NetworkOfStrokesOptions& strokes,
                              const NetworkSurfaceOptions& options, const Progress& progress) {
   CurvesSurface result;
   if (curves.has_normals()) {

@@ -36,9 +36,9 @@ constexpr double kPlanar = 0.2;
 /// A patch beside a curve that passes through a T turned away this far from the plane of the T shows an edge.
 const double kEdge = std::cos(radians(55));
 
-/// A region between curves: what the walk over following darts goes around.
+/// A region between curves: what the walk over following half-edges goes around.
 struct Region {
-  std::vector<int> darts;         ///< of links
+  std::vector<int> half_edges;    ///< of links
   std::vector<Vector3d> outline;  ///< thinned; closed, the first point not repeated
   bool only_border = true;
   bool outside = false;
@@ -76,9 +76,9 @@ class Estimate {
 
  private:
   Vector3d point(int v) const { return network_.positions.row(v); }
-  int node_of(int dart) const {
-    const NetworkLink& link = graph_.links[at(dart / 2)];
-    return dart % 2 == 0 ? link.from : link.to;
+  int node_of(int half_edge) const {
+    const NetworkLink& link = graph_.links[at(half_edge / 2)];
+    return half_edge % 2 == 0 ? link.from : link.to;
   }
 
   void trace() {
@@ -88,14 +88,14 @@ class Estimate {
       const size_t edges = graph_.links[l].vertices.size() - 1, pieces = std::min(edges, kPieces);
       for (size_t i = 0; i <= pieces; ++i) samples_[l].push_back(static_cast<int>(edges * i / pieces));
     }
-    const std::vector<int> follow = detail::following_darts(orders_, 2 * n_links);
+    const std::vector<int> follow = detail::following_half_edges(orders_, 2 * n_links);
     region_of_.assign(2 * n_links, -1);
     for (size_t first = 0; first < follow.size(); ++first) {
       if (region_of_[first] >= 0) continue;
       Region region;
       for (auto d = static_cast<int>(first); region_of_[at(d)] < 0; d = follow[at(d)]) {
         region_of_[at(d)] = static_cast<int>(regions_.size());
-        region.darts.push_back(d);
+        region.half_edges.push_back(d);
         const NetworkLink& link = graph_.links[at(d / 2)];
         region.only_border = region.only_border && link.border;
         const std::vector<int>& samples = samples_[at(d / 2)];
@@ -147,7 +147,7 @@ class Estimate {
   Agreement agreement(const Region& region) const {
     Agreement result;
     double sum = 0, length = 0, greatest = -1;
-    for (const int d : region.darts) {
+    for (const int d : region.half_edges) {
       const std::vector<Vector3d>&own = views_[at(d)], &other = views_[at(d ^ 1)];
       double of_link = 0;
       for (size_t i = 0; i < own.size(); ++i)
@@ -172,12 +172,12 @@ class Estimate {
     for (const NetworkLink& link : graph_.links)
       if (link.border) has_tags[at(component(link.from))] = 1;
     const auto beside_outside = [&](const Region& region) {
-      return std::any_of(region.darts.begin(), region.darts.end(),
+      return std::any_of(region.half_edges.begin(), region.half_edges.end(),
                          [&](int d) { return regions_[at(region_of_[at(d ^ 1)])].outside; });
     };
     for (const int r : by_agreement) {
       Region& region = regions_[at(r)];
-      const bool tagged = has_tags[at(component(node_of(region.darts.front())))] != 0;
+      const bool tagged = has_tags[at(component(node_of(region.half_edges.front())))] != 0;
       const bool may_be = tagged
                               ? region.only_border
                               : agreements[at(r)].mean < kFoldedBack && agreements[at(r)].greatest < kNoEdge;
@@ -188,7 +188,7 @@ class Estimate {
   int component(int node) const { return graph_.topology.component_of_node[at(node)]; }
 
   void normals_at_nodes() {
-    node_normals_.assign(graph_.darts.size(), Vector3d::Zero());
+    node_normals_.assign(graph_.half_edges.size(), Vector3d::Zero());
     for (size_t n = 0; n < orders_.size(); ++n) {
       const std::vector<int>& around = orders_[n];
       if (around.empty()) continue;
@@ -299,14 +299,14 @@ class Estimate {
     std::vector<Vector3d> centre(n_components, Vector3d::Zero());
     std::vector<double> count(n_components, 0), volume(n_components, 0);
     for (const Region& region : regions_) {
-      const size_t c = at(component(node_of(region.darts.front())));
+      const size_t c = at(component(node_of(region.half_edges.front())));
       for (const Vector3d& p : region.outline) centre[c] += p;
       count[c] += static_cast<double>(region.outline.size());
     }
     std::vector<Vector3d> area(n_components, Vector3d::Zero());
     for (const Region& region : regions_) {
       if (region.outside) continue;
-      const size_t c = at(component(node_of(region.darts.front())));
+      const size_t c = at(component(node_of(region.half_edges.front())));
       const Vector3d o = centre[c] / count[c];
       Vector3d middle = Vector3d::Zero(), vector_area = Vector3d::Zero();
       const size_t n = region.outline.size();
@@ -349,21 +349,22 @@ class Estimate {
   detail::NodeOrders node_orders() const {
     detail::NodeOrders result;
     const std::vector<NetworkSegment>& segments = graph_.topology.segments;
-    result.darts.resize(graph_.topology.nodes.size());
+    result.half_edges.resize(graph_.topology.nodes.size());
     result.outside.assign(2 * segments.size(), 0);
     for (size_t n = 0; n < orders_.size(); ++n)
       for (const int d : orders_[n]) {
         const NetworkLink& link = graph_.links[at(d / 2)];
-        result.darts[n].push_back(d % 2 == 0 ? link.darts.front() : link.darts.back() ^ 1);
+        result.half_edges[n].push_back(d % 2 == 0 ? link.half_edges.front() : link.half_edges.back() ^ 1);
       }
     for (size_t s = 0; s < segments.size(); ++s)  // nodes that links pass through
-      for (const int dart : {static_cast<int>(2 * s), static_cast<int>(2 * s + 1)}) {
-        const int n = dart % 2 == 0 ? segments[s].from : segments[s].to;
-        if (orders_[at(n)].empty()) result.darts[at(n)].push_back(dart);
+      for (const int half_edge : {static_cast<int>(2 * s), static_cast<int>(2 * s + 1)}) {
+        const int n = half_edge % 2 == 0 ? segments[s].from : segments[s].to;
+        if (orders_[at(n)].empty()) result.half_edges[at(n)].push_back(half_edge);
       }
     for (size_t d = 0; d < region_of_.size(); ++d) {
       if (!regions_[at(region_of_[d])].outside) continue;
-      for (const int dart : graph_.links[d / 2].darts) result.outside[at(d % 2 == 0 ? dart : dart ^ 1)] = 1;
+      for (const int half_edge : graph_.links[d / 2].half_edges)
+        result.outside[at(d % 2 == 0 ? half_edge : half_edge ^ 1)] = 1;
     }
     return result;
   }
@@ -395,9 +396,9 @@ class Estimate {
     std::string names;
     std::set<int> told;
     for (const int d : orders_[at(doubt.node)]) {
-      const std::vector<int>& darts = graph_.links[at(d / 2)].darts;
-      const int dart = d % 2 == 0 ? darts.front() : darts.back();
-      const int curve = graph_.topology.segments[at(dart / 2)].curve;
+      const std::vector<int>& half_edges = graph_.links[at(d / 2)].half_edges;
+      const int half_edge = d % 2 == 0 ? half_edges.front() : half_edges.back();
+      const int curve = graph_.topology.segments[at(half_edge / 2)].curve;
       if (told.insert(curve).second) names += (names.empty() ? "" : ", ") + curve_name(network_, curve);
     }
     const Vector3d x = point(vertex);
@@ -413,11 +414,11 @@ class Estimate {
   const Progress& progress_;
   LinkGraph graph_;
   double size_ = 0;
-  std::vector<std::vector<int>> orders_;   ///< per node: link darts counter-clockwise
+  std::vector<std::vector<int>> orders_;   ///< per node: link half-edges counter-clockwise
   std::vector<std::vector<int>> samples_;  ///< per link: places in its vertex list
-  std::vector<int> region_of_;             ///< per link dart
+  std::vector<int> region_of_;             ///< per link half-edge
   std::vector<Region> regions_;
-  std::vector<std::vector<Vector3d>> views_;  ///< per link dart, at the inner samples of the link
+  std::vector<std::vector<Vector3d>> views_;  ///< per link half-edge, at the inner samples of the link
   std::vector<Vector3d> node_normals_;
   Points normals_;
 };

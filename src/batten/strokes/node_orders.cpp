@@ -38,7 +38,7 @@ constexpr std::size_t kMostPermuted = 7;
 /// A choice that wins by less than this is told. Two patches more gain 0.24.
 constexpr double kDoubt = 0.15;
 
-/// One order of the darts of a node, by their places in the node's list.
+/// One order of the half-edges of a node, by their places in the node's list.
 struct Order {
   std::vector<int> sequence;     ///< counter-clockwise, beginning with place 0
   std::vector<int> left, right;  ///< per place: the next and the previous place
@@ -46,20 +46,20 @@ struct Order {
   int mirrored = -1;  ///< number of the same order seen from the other side
 };
 
-/// What the two patches beside a dart look like at its node: directions square to the dart, in a frame that
-/// is carried along the link, with the certainty as length.
+/// What the two patches beside a half-edge look like at its node: directions square to the half-edge, in a
+/// frame that is carried along the link, with the certainty as length.
 struct Sides {
   Vector2d left, right;
 };
 
 struct Node {
-  std::vector<int> darts;
+  std::vector<int> half_edges;
   std::vector<Vector3d> tangents;
   std::vector<Order> orders;
   std::vector<Sides> sides;  ///< k³: place, left neighbour, right neighbour
 
   const Sides& sides_of(const Order& order, int place) const {
-    const size_t k = darts.size();
+    const size_t k = half_edges.size();
     return sides[(at(place) * k + at(order.left[at(place)])) * k + at(order.right[at(place)])];
   }
 };
@@ -76,7 +76,7 @@ class OrderSearch {
         graph_(graph),
         progress_(progress),
         size_(network_size(network, graph)),
-        nodes_(graph.darts.size()) {}
+        nodes_(graph.half_edges.size()) {}
 
   OrderSearchResult run() {
     prepare();
@@ -84,7 +84,7 @@ class OrderSearch {
     progress_.report("cycles", 0.3);
     settle();
     progress_.report("cycles", 0.5);
-    follow_ = following_darts(current_orders(), 2 * graph_.links.size());
+    follow_ = following_half_edges(current_orders(), 2 * graph_.links.size());
     for (int round = 0; round < 6; ++round) {
       bool changed = change_single_nodes();
       for (const double loose : kLooseLinks) changed = turn_over_groups(loose) || changed;
@@ -100,9 +100,9 @@ class OrderSearch {
 
  private:
   Vector3d point(int v) const { return network_.positions.row(v); }
-  int start_node(int dart) const {
-    const NetworkLink& link = graph_.links[at(dart / 2)];
-    return dart % 2 == 0 ? link.from : link.to;
+  int start_node(int half_edge) const {
+    const NetworkLink& link = graph_.links[at(half_edge / 2)];
+    return half_edge % 2 == 0 ? link.from : link.to;
   }
 
   /// Frames square to both ends of a link, the second carried along the link from the first.
@@ -136,20 +136,20 @@ class OrderSearch {
                   frames[2 * l + 1]);
     for (size_t n = 0; n < nodes_.size(); ++n) {
       Node& node = nodes_[n];
-      node.darts = graph_.darts[n];
-      for (const int d : node.darts) node.tangents.push_back(tangents[at(d)]);
+      node.half_edges = graph_.half_edges[n];
+      for (const int d : node.half_edges) node.tangents.push_back(tangents[at(d)]);
       make_orders(node);
-      const size_t k = node.darts.size();
+      const size_t k = node.half_edges.size();
       node.sides.resize(k * k * k);
       for (size_t i = 0; i < k; ++i)
         for (size_t l = 0; l < k; ++l)
           for (size_t r = 0; r < k; ++r) {
-            const std::array<Vector3d, 2>& frame = frames[at(node.darts[i])];
+            const std::array<Vector3d, 2>& frame = frames[at(node.half_edges[i])];
             const auto side = [&](size_t j) {
               return Vector2d(node.tangents[j].dot(frame[0]), node.tangents[j].dot(frame[1]));
             };
             // A sector of nearly a half turn does not show its side. There a surface that passes smoothly
-            // under the dart is supposed, with less certainty.
+            // under the half-edge is supposed, with less certainty.
             const Vector2d left = side(l), right = side(r);
             Sides& sides = node.sides[(i * k + l) * k + r];
             sides.left = left - 0.5 * (1 - left.norm()) * right;
@@ -160,7 +160,7 @@ class OrderSearch {
   }
 
   void make_orders(Node& node) const {
-    const auto k = static_cast<int>(node.darts.size());
+    const auto k = static_cast<int>(node.half_edges.size());
     if (k == 0) return;
     std::set<std::vector<int>> sequences;
     const auto add = [&](std::vector<int> sequence) {
@@ -195,7 +195,7 @@ class OrderSearch {
     }
     std::vector<int> borders;
     for (int i = 0; i < k; ++i)
-      if (graph_.links[at(node.darts[at(i)] / 2)].border) borders.push_back(i);
+      if (graph_.links[at(node.half_edges[at(i)] / 2)].border) borders.push_back(i);
     const bool at_border = borders.size() == 2;
     std::map<std::vector<int>, int> number;
     double least = std::numeric_limits<double>::infinity();
@@ -232,7 +232,7 @@ class OrderSearch {
     }
   }
 
-  /// Axes along which the darts of a node may be seen in order.
+  /// Axes along which the half-edges of a node may be seen in order.
   static std::vector<Vector3d> likely_axes(const Node& node) {
     Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
     Vector3d sum = Vector3d::Zero();
@@ -253,9 +253,9 @@ class OrderSearch {
     return axes;
   }
 
-  int place_of(int dart) const {
-    const std::vector<int>& darts = graph_.darts[at(start_node(dart))];
-    return static_cast<int>(std::find(darts.begin(), darts.end(), dart) - darts.begin());
+  int place_of(int half_edge) const {
+    const std::vector<int>& half_edges = graph_.half_edges[at(start_node(half_edge))];
+    return static_cast<int>(std::find(half_edges.begin(), half_edges.end(), half_edge) - half_edges.begin());
   }
 
   /// Cost of a link between two orders: the patch left of its one end lies right of the other.
@@ -271,7 +271,7 @@ class OrderSearch {
   /// Cost of an order of a node given those chosen at its neighbours; neighbours without one do not count.
   double cost_at(int n, const Order& order) const {
     double cost = order.cost;
-    for (const int d : nodes_[at(n)].darts) {
+    for (const int d : nodes_[at(n)].half_edges) {
       const NetworkLink& link = graph_.links[at(d / 2)];
       if (link.from == link.to) {
         if (d % 2 == 0) cost += link_cost(d / 2, order, order);
@@ -326,7 +326,7 @@ class OrderSearch {
     std::set<std::pair<double, int>> frontier;  // the negative margin first: the surest node leads
     const auto choose = [&](int n, int order) {
       chosen_[at(n)] = order;
-      for (const int d : nodes_[at(n)].darts) {
+      for (const int d : nodes_[at(n)].half_edges) {
         const int other = start_node(d ^ 1);
         if (chosen_[at(other)] >= 0) continue;
         frontier.erase({-margin[at(other)], other});
@@ -364,7 +364,7 @@ class OrderSearch {
 
   std::vector<int> sequence_of(int n, const Order& order) const {
     std::vector<int> sequence;
-    for (const int place : order.sequence) sequence.push_back(nodes_[at(n)].darts[at(place)]);
+    for (const int place : order.sequence) sequence.push_back(nodes_[at(n)].half_edges[at(place)]);
     return sequence;
   }
 
@@ -376,16 +376,18 @@ class OrderSearch {
   }
 
   void write_following(int n, const Order& order) {
-    const std::vector<int>& darts = nodes_[at(n)].darts;
-    for (size_t i = 0; i < darts.size(); ++i) follow_[at(darts[at(order.left[i])] ^ 1)] = darts[i];
+    const std::vector<int>& half_edges = nodes_[at(n)].half_edges;
+    for (size_t i = 0; i < half_edges.size(); ++i)
+      follow_[at(half_edges[at(order.left[i])] ^ 1)] = half_edges[i];
   }
 
-  /// What the patches through some darts cost: −gain for each, and the links with one patch on both sides.
-  double patch_cost(const std::vector<int>& darts) {
+  /// What the patches through some half-edges cost: −gain for each, and the links with one patch on both
+  /// sides.
+  double patch_cost(const std::vector<int>& half_edges) {
     mark_.resize(follow_.size(), -1);
     std::vector<int> marked;
     int count = 0, twice = 0;
-    for (const int first : darts) {
+    for (const int first : half_edges) {
       if (mark_[at(first)] >= 0) continue;
       for (int d = first; mark_[at(d)] < 0; d = follow_[at(d)]) {
         mark_[at(d)] = count;
@@ -398,33 +400,33 @@ class OrderSearch {
     return kSamePatchCost * twice - kPatchGain * count;
   }
 
-  /// The darts that leave a node and those that arrive: the patches around it pass all of them.
-  std::vector<int> darts_at(int n) const {
-    std::vector<int> darts = nodes_[at(n)].darts;
-    const size_t k = darts.size();
-    for (size_t i = 0; i < k; ++i) darts.push_back(darts[i] ^ 1);
-    return darts;
+  /// The half-edges that leave a node and those that arrive: the patches around it pass all of them.
+  std::vector<int> half_edges_at(int n) const {
+    std::vector<int> half_edges = nodes_[at(n)].half_edges;
+    const size_t k = half_edges.size();
+    for (size_t i = 0; i < k; ++i) half_edges.push_back(half_edges[i] ^ 1);
+    return half_edges;
   }
 
   /// The least that another order of a node costs more, patches counted; its number in `order`.
   double best_change(int n, int& order) {
     const Node& node = nodes_[at(n)];
-    const std::vector<int> darts = darts_at(n);
-    const double here = cost_at(n, chosen(n)), patches = patch_cost(darts);
+    const std::vector<int> half_edges = half_edges_at(n);
+    const double here = cost_at(n, chosen(n)), patches = patch_cost(half_edges);
     double least = std::numeric_limits<double>::infinity();
     order = -1;
     // The only node of its component: seen from the other side it is the same.
-    const bool alone =
-        std::all_of(node.darts.begin(), node.darts.end(), [&](int d) { return start_node(d ^ 1) == n; });
+    const bool alone = std::all_of(node.half_edges.begin(), node.half_edges.end(),
+                                   [&](int d) { return start_node(d ^ 1) == n; });
     for (size_t o = 0; o < node.orders.size(); ++o) {
       if (static_cast<int>(o) == chosen_[at(n)] || (alone && static_cast<int>(o) == chosen(n).mirrored))
         continue;
       const double local = cost_at(n, node.orders[o]) - here;
       // k patches more at the very most; what could not win or be in doubt is not traced.
-      const auto k = static_cast<double>(node.darts.size());
+      const auto k = static_cast<double>(node.half_edges.size());
       if (local - (kPatchGain + kSamePatchCost) * k >= std::min(least, kDoubt)) continue;
       write_following(n, node.orders[o]);
-      const double change = local + patch_cost(darts) - patches;
+      const double change = local + patch_cost(half_edges) - patches;
       if (change < least) {
         least = change;
         order = static_cast<int>(o);
@@ -480,19 +482,19 @@ class OrderSearch {
     for (const auto& [first, members] : groups) {
       if (first == keeper[at(graph_.topology.component_of_node[at(first)])]) continue;
       double change = 0;
-      std::vector<int> darts;
+      std::vector<int> half_edges;
       for (const int n : members)
-        for (const int d : nodes_[at(n)].darts) {
-          darts.push_back(d);
-          darts.push_back(d ^ 1);
+        for (const int d : nodes_[at(n)].half_edges) {
+          half_edges.push_back(d);
+          half_edges.push_back(d ^ 1);
           const NetworkLink& link = graph_.links[at(d / 2)];
           if (sets.root(start_node(d ^ 1)) != first)
             change += link_cost(d / 2, chosen(link.from), mirrored(link.to)) -
                       link_cost(d / 2, chosen(link.from), chosen(link.to));
         }
-      const double before = patch_cost(darts);
+      const double before = patch_cost(half_edges);
       for (const int n : members) write_following(n, mirrored(n));
-      const double total = change + patch_cost(darts) - before;
+      const double total = change + patch_cost(half_edges) - before;
       if (total < -1e-9) {
         for (const int n : members) chosen_[at(n)] = chosen(n).mirrored;
         any = true;
@@ -525,22 +527,22 @@ class OrderSearch {
   const Progress& progress_;
   double size_;
   std::vector<Node> nodes_;
-  std::vector<int> place_;   ///< per link dart: its place in the list of its node
+  std::vector<int> place_;   ///< per link half-edge: its place in the list of its node
   std::vector<int> chosen_;  ///< per node: number of its order
-  std::vector<int> follow_;  ///< per link dart
+  std::vector<int> follow_;  ///< per link half-edge
   std::vector<int> mark_;    ///< scratch of patch_cost()
   std::vector<DoubtfulOrder> doubtful_;
 };
 
 }  // namespace
 
-Vector3d link_direction(const CurveNetwork& network, const LinkGraph& graph, int dart, double size) {
-  const NetworkLink& link = graph.links[at(dart / 2)];
+Vector3d link_direction(const CurveNetwork& network, const LinkGraph& graph, int half_edge, double size) {
+  const NetworkLink& link = graph.links[at(half_edge / 2)];
   const std::vector<int>& vertices = link.vertices;
   const size_t n = vertices.size();
   const double window = std::min(0.3 * link.length, 0.05 * size);
   const auto walk = [&](size_t i) {
-    return Vector3d(network.positions.row(vertices[dart % 2 == 0 ? i : n - 1 - i]));
+    return Vector3d(network.positions.row(vertices[half_edge % 2 == 0 ? i : n - 1 - i]));
   };
   EndParabola parabola(walk(0));
   for (size_t i = 1; i < n && (i < 3 || parabola.length() < window); ++i) parabola.add(walk(i));
@@ -570,9 +572,9 @@ Vector3d carried(const Vector3d& v, const Vector3d& a, const Vector3d& b) {
   return v + axis.cross(v) + axis.cross(axis.cross(v)) / (1 + cosine);
 }
 
-std::vector<int> following_darts(const std::vector<std::vector<int>>& orders, std::size_t n_darts) {
-  std::vector<int> follow(n_darts, -1);
-  // With the patch to the left, a walk that arrives by a dart leaves by the one clockwise of its twin.
+std::vector<int> following_half_edges(const std::vector<std::vector<int>>& orders, std::size_t n_half_edges) {
+  std::vector<int> follow(n_half_edges, -1);
+  // With the patch to the left, a walk that arrives by a half-edge leaves by the one clockwise of its twin.
   for (const std::vector<int>& around : orders)
     for (size_t i = 0; i < around.size(); ++i) follow[at(around[(i + 1) % around.size()] ^ 1)] = around[i];
   return follow;
@@ -604,22 +606,22 @@ LinkGraph link_graph(const CurveNetwork& network) {
                                 " ends at vertex ", graph.topology.nodes[n],
                                 " without meeting another curve; join it to the network or remove it"));
   const auto passed = [&](int n) {
-    const std::vector<int>& darts = leaving[at(n)];
-    return darts.size() == 2 && darts[0] / 2 != darts[1] / 2 &&
-           segments[at(darts[0] / 2)].boundary == segments[at(darts[1] / 2)].boundary;
+    const std::vector<int>& half_edges = leaving[at(n)];
+    return half_edges.size() == 2 && half_edges[0] / 2 != half_edges[1] / 2 &&
+           segments[at(half_edges[0] / 2)].boundary == segments[at(half_edges[1] / 2)].boundary;
   };
-  graph.darts.resize(leaving.size());
+  graph.half_edges.resize(leaving.size());
   std::vector<char> taken(segments.size(), 0);
   const auto walk = [&](int first) {
     const auto l = static_cast<int>(graph.links.size());
     NetworkLink link;
     link.border = segments[at(first / 2)].boundary;
-    int dart = first;
+    int half_edge = first;
     while (true) {
-      const NetworkSegment& segment = segments[at(dart / 2)];
-      taken[at(dart / 2)] = 1;
-      link.darts.push_back(dart);
-      const bool forwards = dart % 2 == 0;
+      const NetworkSegment& segment = segments[at(half_edge / 2)];
+      taken[at(half_edge / 2)] = 1;
+      link.half_edges.push_back(half_edge);
+      const bool forwards = half_edge % 2 == 0;
       std::vector<int> vertices = segment.vertices;
       if (!forwards) std::reverse(vertices.begin(), vertices.end());
       if (link.from < 0) {
@@ -630,13 +632,13 @@ LinkGraph link_graph(const CurveNetwork& network) {
       link.to = forwards ? segment.to : segment.from;
       if (link.to == link.from || !passed(link.to)) break;
       const std::vector<int>& next = leaving[at(link.to)];
-      dart = next[0] == (dart ^ 1) ? next[1] : next[0];
+      half_edge = next[0] == (half_edge ^ 1) ? next[1] : next[0];
     }
     for (size_t i = 1; i < link.vertices.size(); ++i)
       link.length +=
           (network.positions.row(link.vertices[i]) - network.positions.row(link.vertices[i - 1])).norm();
-    graph.darts[at(link.from)].push_back(2 * l);
-    graph.darts[at(link.to)].push_back(2 * l + 1);
+    graph.half_edges[at(link.from)].push_back(2 * l);
+    graph.half_edges[at(link.to)].push_back(2 * l + 1);
     graph.links.push_back(std::move(link));
   };
   for (size_t n = 0; n < leaving.size(); ++n)

@@ -11,10 +11,10 @@ namespace batten::detail {
 
 /// A chain of segments through nodes where only two of them meet.
 struct NetworkLink {
-  std::vector<int> vertices;  ///< from node to node, both included
-  std::vector<int> darts;     ///< of the segments, in the order of the walk; as in NodeOrders
-  int from = -1, to = -1;     ///< node numbers
-  bool border = false;        ///< all of it is tagged as boundary
+  std::vector<int> vertices;    ///< from node to node, both included
+  std::vector<int> half_edges;  ///< of the segments, in the order of the walk; as in NodeOrders
+  int from = -1, to = -1;       ///< node numbers
+  bool border = false;          ///< all of it is tagged as boundary
   double length = 0;
 };
 
@@ -22,18 +22,19 @@ struct NetworkLink {
 struct LinkGraph {
   NetworkTopology topology;
   std::vector<NetworkLink> links;
-  /// Per node of the topology: the link darts that leave it (2l forwards along link l, 2l + 1 backwards), in
-  /// increasing order; none at the nodes that links pass through.
-  std::vector<std::vector<int>> darts;
+  /// Per node of the topology: the link half-edges that leave it (2l forwards along link l, 2l + 1
+  /// backwards), in increasing order; none at the nodes that links pass through.
+  std::vector<std::vector<int>> half_edges;
 };
 
 /// @throws InvalidInput as network_topology(), for positions that are not finite and edges without length.
 LinkGraph link_graph(const CurveNetwork& network);
 
-/// The unit direction in which a link dart leaves its node, from samples near enough to show it and far
+/// The unit direction in which a link half-edge leaves its node, from samples near enough to show it and far
 /// enough not to see what welding bent.
 /// @param size of the network.
-Eigen::Vector3d link_direction(const CurveNetwork& network, const LinkGraph& graph, int dart, double size);
+Eigen::Vector3d link_direction(const CurveNetwork& network, const LinkGraph& graph, int half_edge,
+                               double size);
 
 /// Twice the greatest distance of a vertex from the mean of all; unlike a box, it turns with the network.
 double network_size(const CurveNetwork& network, const LinkGraph& graph);
@@ -46,7 +47,7 @@ struct DoubtfulOrder {
 };
 
 struct OrderSearchResult {
-  std::vector<std::vector<int>> orders;  ///< per node: its link darts, counter-clockwise
+  std::vector<std::vector<int>> orders;  ///< per node: its link half-edges, counter-clockwise
   std::vector<DoubtfulOrder> doubtful;   ///< by increasing margin
 };
 
@@ -54,8 +55,8 @@ struct OrderSearchResult {
 OrderSearchResult search_node_orders(const CurveNetwork& network, const LinkGraph& graph,
                                      const Progress& progress);
 
-/// Orbits of darts: the dart that follows each one in the walk around the region to its left.
-std::vector<int> following_darts(const std::vector<std::vector<int>>& orders, std::size_t n_darts);
+/// Orbits of half-edges: the half-edge that follows each one in the walk around the region to its left.
+std::vector<int> following_half_edges(const std::vector<std::vector<int>>& orders, std::size_t n_half_edges);
 
 /// Turns `v` as the least rotation from unit vector a to unit vector b does.
 Eigen::Vector3d carried(const Eigen::Vector3d& v, const Eigen::Vector3d& a, const Eigen::Vector3d& b);

@@ -62,7 +62,10 @@ class Welder {
 
   void unite(int a, int b) { merged_.unite(a, b); }
 
-  CurveNetwork result(WeldReport& report) {
+  WeldedNetwork result() {
+    WeldedNetwork result;
+    WeldReport& report = result.report;
+    CurveNetwork& welded = result.network;
     for (auto& list : insertions_) report.n_inserted_nodes += static_cast<int>(list.size());
     // Means over what is united.
     const auto n = static_cast<int>(positions_.size());
@@ -75,7 +78,6 @@ class Welder {
       ++count[at(r)];
       report.n_merged_vertices += r != v;
     }
-    CurveNetwork welded;
     welded.unit = network_.unit;
     std::vector<char> used(at(n), 0);
     for (size_t c = 0; c < network_.curves.size(); ++c) {
@@ -123,7 +125,7 @@ class Welder {
           place >= 0 && std::find(welded.tagged_nodes.begin(), welded.tagged_nodes.end(), place) ==
                             welded.tagged_nodes.end())
         welded.tagged_nodes.push_back(place);
-    return welded;
+    return result;
   }
 
  private:
@@ -136,13 +138,10 @@ class Welder {
 
 }  // namespace
 
-CurveNetwork welded(const CurveNetwork& network, double tolerance, WeldReport* report) {
+WeldedNetwork welded(const CurveNetwork& network, double tolerance) {
   if (!(tolerance > 0) || !std::isfinite(tolerance))
     throw InvalidInput(concat("the weld tolerance must be more than 0, got ", tolerance));
   const NetworkTopology topology = network_topology(network);  // checks the indices
-  WeldReport own;
-  WeldReport& told = report != nullptr ? *report : own;
-  told = {};
   const CurveIndex index(network, tolerance);
   Welder welder(network, tolerance);
   // Ends first: they must not be moved away by a crossing beside them.
@@ -173,7 +172,7 @@ CurveNetwork welded(const CurveNetwork& network, double tolerance, WeldReport* r
       continue;
     welder.unite(welder.vertex_at(contact.first), welder.vertex_at(contact.second));
   }
-  return welder.result(told);
+  return welder.result();
 }
 
 }  // namespace batten

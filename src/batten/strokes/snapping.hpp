@@ -10,6 +10,11 @@ struct WeldReport {
   int n_removed_curves = 0;   ///< curves that shrank to a point
 };
 
+struct WeldedNetwork {
+  CurveNetwork network;
+  WeldReport report;
+};
+
 /// Makes curves meet that come within `tolerance` of each other: ends are merged with ends, an end that lies
 /// on another curve gets a vertex there, and two curves that cross get one in common. Each point moves by at
 /// most the tolerance. Normals of merged vertices are averaged. Vertices that no curve uses any more are
@@ -17,6 +22,6 @@ struct WeldReport {
 /// @param tolerance in the unit of the network, more than 0 and below the distance of samples that are to
 /// stay apart.
 /// @throws InvalidInput when the tolerance is not positive, or as network_topology().
-CurveNetwork welded(const CurveNetwork& network, double tolerance, WeldReport* report = nullptr);
+WeldedNetwork welded(const CurveNetwork& network, double tolerance);
 
 }  // namespace batten

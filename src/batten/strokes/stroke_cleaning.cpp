@@ -1,4 +1,4 @@
-#include "batten/strokes/sketch_cleaning.hpp"
+#include "batten/strokes/stroke_cleaning.hpp"
 
 #include <algorithm>
 #include <array>
@@ -352,8 +352,8 @@ CurveNetwork without_slivers(const CurveNetwork& network, double tolerance, doub
 }
 
 /// Leaves out segments that end in nothing, and bridges, which would have one patch on both sides.
-/// @param told takes a warning for each. @param left_out takes the segments themselves.
-CurveNetwork without_tails(const CurveNetwork& network, CleanedSketch& told,
+/// @param result takes a warning for each. @param left_out takes the segments themselves.
+CurveNetwork without_tails(const CurveNetwork& network, CleanedStrokes& result,
                            std::vector<std::vector<Vector>>& left_out) {
   CurveNetwork pieces = in_segments(network);
   const NetworkTopology topology = network_topology(pieces);
@@ -370,13 +370,13 @@ CurveNetwork without_tails(const CurveNetwork& network, CleanedSketch& told,
   const auto describe = [&](int s, const char* reason) {
     const std::vector<int>& vertices = segments[at(s)].vertices;
     const std::string& name = pieces.curves[at(segments[at(s)].curve)].name;
-    ++told.n_left_out;
+    ++result.n_left_out;
     left_out.emplace_back();
     for (const int v : vertices) left_out.back().push_back(position(pieces, v));
-    told.warnings.push_back(concat("the piece ", name.empty() ? std::string() : concat("of ", name, " "),
-                                   "from ", coordinates(position(pieces, vertices.front())), " to ",
-                                   coordinates(position(pieces, vertices.back())),
-                                   " was left out: ", reason));
+    result.warnings.push_back(concat("the piece ", name.empty() ? std::string() : concat("of ", name, " "),
+                                     "from ", coordinates(position(pieces, vertices.front())), " to ",
+                                     coordinates(position(pieces, vertices.back())),
+                                     " was left out: ", reason));
   };
   std::vector<int> queue;
   std::vector<int> valence(topology.nodes.size(), 0);
@@ -447,13 +447,13 @@ CurveNetwork without_tails(const CurveNetwork& network, CleanedSketch& told,
   return compacted(std::move(pieces));
 }
 
-/// Tells strokes of which nothing is left, neither in the network nor among what is told already: they are
-/// so small that welding has drawn them together.
-void tell_lost_strokes(const CurveNetwork& strokes, std::vector<std::vector<Vector>> lines, double tolerance,
-                       CleanedSketch& told) {
-  for (const NetworkCurve& curve : told.network.curves) {
+/// Reports strokes of which nothing is left, neither in the network nor among the warnings there are: they
+/// are so small that welding has drawn them together.
+void report_lost_strokes(const CurveNetwork& strokes, std::vector<std::vector<Vector>> lines,
+                         double tolerance, CleanedStrokes& result) {
+  for (const NetworkCurve& curve : result.network.curves) {
     lines.emplace_back();
-    for (const int v : curve.vertices) lines.back().push_back(position(told.network, v));
+    for (const int v : curve.vertices) lines.back().push_back(position(result.network, v));
   }
   std::vector<std::pair<Vector, Vector>> edges;
   std::vector<Box> boxes;
@@ -476,12 +476,12 @@ void tell_lost_strokes(const CurveNetwork& strokes, std::vector<std::vector<Vect
     const std::vector<int>& vertices = strokes.curves[c].vertices;
     if (std::any_of(vertices.begin(), vertices.end(), [&](int v) { return is_near(position(strokes, v)); }))
       continue;
-    ++told.n_left_out;
-    told.warnings.push_back(concat(curve_name(strokes, static_cast<int>(c)), " from ",
-                                   coordinates(position(strokes, vertices.front())), " to ",
-                                   coordinates(position(strokes, vertices.back())),
-                                   " was left out: it is too short to bound a patch beside the size of the "
-                                   "sketch; surface small parts on their own, or weld within less"));
+    ++result.n_left_out;
+    result.warnings.push_back(concat(curve_name(strokes, static_cast<int>(c)), " from ",
+                                     coordinates(position(strokes, vertices.front())), " to ",
+                                     coordinates(position(strokes, vertices.back())),
+                                     " was left out: it is too short to bound a patch beside the size of the "
+                                     "sketch; surface small parts on their own, or weld within less"));
   }
 }
 
@@ -493,7 +493,7 @@ void add(WeldReport& sum, const WeldReport& report) {
 
 }  // namespace
 
-std::optional<std::string> SketchCleaningOptions::problem() const {
+std::optional<std::string> StrokeCleaningOptions::problem() const {
   if (!(weld_tolerance > 0) || !(weld_tolerance < 0.2))
     return concat("weld_tolerance must be between 0 and 0.2 of the diameter, got ", weld_tolerance);
   if (!(reach >= 0) || !(reach < 0.5))
@@ -506,54 +506,56 @@ std::optional<std::string> SketchCleaningOptions::problem() const {
 CurveNetwork joined_curves(const CurveNetwork& network) {
   const NetworkTopology topology = network_topology(network);
   const std::vector<NetworkSegment>& segments = topology.segments;
-  std::vector<std::vector<int>> leaving(topology.nodes.size());  // darts: 2s forwards, 2s + 1 backwards
+  std::vector<std::vector<int>> leaving(topology.nodes.size());  // half-edges: 2s forwards, 2s + 1 backwards
   for (size_t s = 0; s < segments.size(); ++s) {
     leaving[at(segments[s].from)].push_back(static_cast<int>(2 * s));
     leaving[at(segments[s].to)].push_back(static_cast<int>(2 * s + 1));
   }
   const std::set<int> tagged(network.tagged_nodes.begin(), network.tagged_nodes.end());
   // A curve goes on where two segments meet, and where it did before (at crossings).
-  const auto following = [&](int dart) {
-    const int node = dart % 2 == 0 ? segments[at(dart / 2)].to : segments[at(dart / 2)].from;
-    const std::vector<int>& darts = leaving[at(node)];
-    if (darts.size() == 2 && darts[0] / 2 != darts[1] / 2 && tagged.count(topology.nodes[at(node)]) == 0) {
-      const int next = darts[0] == (dart ^ 1) ? darts[1] : darts[0];
-      return segments[at(next / 2)].boundary == segments[at(dart / 2)].boundary ? next : -1;
+  const auto following = [&](int half_edge) {
+    const int node = half_edge % 2 == 0 ? segments[at(half_edge / 2)].to : segments[at(half_edge / 2)].from;
+    const std::vector<int>& half_edges = leaving[at(node)];
+    if (half_edges.size() == 2 && half_edges[0] / 2 != half_edges[1] / 2 &&
+        tagged.count(topology.nodes[at(node)]) == 0) {
+      const int next = half_edges[0] == (half_edge ^ 1) ? half_edges[1] : half_edges[0];
+      return segments[at(next / 2)].boundary == segments[at(half_edge / 2)].boundary ? next : -1;
     }
-    const int beside = dart % 2 == 0 ? dart + 2 : dart - 2;  // segments of a curve follow each other
+    const int beside =
+        half_edge % 2 == 0 ? half_edge + 2 : half_edge - 2;  // segments of a curve follow each other
     if (beside < 0 || at(beside / 2) >= segments.size()) return -1;
     const NetworkSegment& next = segments[at(beside / 2)];
     const bool same =
-        next.curve == segments[at(dart / 2)].curve && (beside % 2 == 0 ? next.from : next.to) == node;
+        next.curve == segments[at(half_edge / 2)].curve && (beside % 2 == 0 ? next.from : next.to) == node;
     return same ? beside : -1;
   };
   CurveNetwork result = network;
   result.curves.clear();
   std::vector<char> taken(segments.size(), 0);
-  const auto walk = [&](int dart) {
-    const NetworkSegment& first = segments[at(dart / 2)];
+  const auto walk = [&](int half_edge) {
+    const NetworkSegment& first = segments[at(half_edge / 2)];
     NetworkCurve curve{network.curves[at(first.curve)].name, first.boundary, {}};
-    for (; dart >= 0 && !taken[at(dart / 2)]; dart = following(dart)) {
-      taken[at(dart / 2)] = 1;
-      std::vector<int> vertices = segments[at(dart / 2)].vertices;
-      if (dart % 2 == 1) std::reverse(vertices.begin(), vertices.end());
+    for (; half_edge >= 0 && !taken[at(half_edge / 2)]; half_edge = following(half_edge)) {
+      taken[at(half_edge / 2)] = 1;
+      std::vector<int> vertices = segments[at(half_edge / 2)].vertices;
+      if (half_edge % 2 == 1) std::reverse(vertices.begin(), vertices.end());
       curve.vertices.insert(curve.vertices.end(), vertices.begin() + (curve.vertices.empty() ? 0 : 1),
                             vertices.end());
     }
     result.curves.push_back(std::move(curve));
   };
   for (size_t s = 0; s < segments.size(); ++s)
-    for (const int dart : {static_cast<int>(2 * s), static_cast<int>(2 * s + 1)})
-      if (!taken[s] && following(dart ^ 1) < 0) walk(dart);
+    for (const int half_edge : {static_cast<int>(2 * s), static_cast<int>(2 * s + 1)})
+      if (!taken[s] && following(half_edge ^ 1) < 0) walk(half_edge);
   for (size_t s = 0; s < segments.size(); ++s)
     if (!taken[s]) walk(static_cast<int>(2 * s));
   return result;
 }
 
-CleanedSketch clean_sketch(const CurveNetwork& sketch, const SketchCleaningOptions& options) {
+CleanedStrokes clean_strokes(const CurveNetwork& given, const StrokeCleaningOptions& options) {
   if (const auto problem = options.problem()) throw InvalidInput(*problem);
-  CleanedSketch result;
-  CurveNetwork strokes = sketch;
+  CleanedStrokes result;
+  CurveNetwork strokes = given;
   strokes.normals.resize(0, 3);
   strokes = compacted(joined_curves(strokes));
   result.n_strokes = static_cast<int>(strokes.curves.size());
@@ -563,14 +565,15 @@ CleanedSketch clean_sketch(const CurveNetwork& sketch, const SketchCleaningOptio
   result.findings = diagnose_network(strokes);
   const double tolerance = options.weld_tolerance * diameter;
 
-  CurveNetwork network = OverdrawRemover(strokes, tolerance).run(result.n_overdrawn);
-  WeldReport report;
-  network = welded(network, tolerance, &report);
-  add(result.weld, report);
+  const auto weld = [&](const CurveNetwork& loose) {
+    WeldedNetwork welded_network = welded(loose, tolerance);
+    add(result.weld, welded_network.report);
+    return std::move(welded_network.network);
+  };
+  CurveNetwork network = weld(OverdrawRemover(strokes, tolerance).run(result.n_overdrawn));
   if (options.reach > options.weld_tolerance)
     network = with_extended_ends(network, options.reach * diameter, tolerance, result.n_extended_ends);
-  network = welded(network, tolerance, &report);
-  add(result.weld, report);
+  network = weld(network);
   const double shortest = std::max(kShortest * tolerance, options.shortest_side * diameter);
   const double shortest_loop = std::max(shortest, 2 * options.shortest_side * diameter);
   network = without_slivers(network, 2 * tolerance, shortest, shortest_loop, result.n_overdrawn);
@@ -585,7 +588,7 @@ CleanedSketch clean_sketch(const CurveNetwork& sketch, const SketchCleaningOptio
   }
   result.network = std::move(network);
   // Ends may have been moved by the tolerance more than once, and overdrawn strokes lie beside another.
-  tell_lost_strokes(strokes, std::move(left_out), 3 * tolerance, result);
+  report_lost_strokes(strokes, std::move(left_out), 3 * tolerance, result);
   return result;
 }
 

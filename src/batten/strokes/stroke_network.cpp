@@ -1,4 +1,4 @@
-#include "batten/strokes/sketch_network.hpp"
+#include "batten/strokes/stroke_network.hpp"
 
 #include <array>
 
@@ -15,22 +15,22 @@ namespace {
 /// %.
 constexpr std::array<double, 5> kTolerances{0.005, 0.0075, 0.01, 0.0125, 0.015};
 
-SketchNetwork attempt(const CurveNetwork& sketch, const SketchNetworkOptions& options, double tolerance,
+StrokeNetwork attempt(const CurveNetwork& strokes, const StrokeNetworkOptions& options, double tolerance,
                       const Progress& progress) {
-  SketchNetwork result;
+  StrokeNetwork result;
   result.weld_tolerance = tolerance;
-  SketchCleaningOptions cleaning;
+  StrokeCleaningOptions cleaning;
   cleaning.weld_tolerance = tolerance;
   cleaning.reach = options.reach;
   cleaning.shortest_side = 1.6 * options.step;  // below 1.5 steps a curve has no sample inside
-  result.sketch = clean_sketch(sketch, cleaning);
-  if (result.sketch.network.curves.empty())
-    throw InvalidInput(concat("the ", result.sketch.n_strokes,
+  result.strokes = clean_strokes(strokes, cleaning);
+  if (result.strokes.network.curves.empty())
+    throw InvalidInput(concat("the ", result.strokes.n_strokes,
                               " strokes form no closed cycle once what ends in nothing is left out; connect "
                               "their ends, or let them reach farther"));
-  const double diameter = bounding_box_diagonal(result.sketch.network.positions);
+  const double diameter = bounding_box_diagonal(result.strokes.network.positions);
   result.network =
-      options.step > 0 ? resampled(result.sketch.network, options.step * diameter) : result.sketch.network;
+      options.step > 0 ? resampled(result.strokes.network, options.step * diameter) : result.strokes.network;
   result.estimate = estimate_cycles(result.network, progress);
   result.network.normals = result.estimate.normals;
   return result;
@@ -38,37 +38,37 @@ SketchNetwork attempt(const CurveNetwork& sketch, const SketchNetworkOptions& op
 
 /// What speaks against an attempt, for each of its patches: a part more or a handle more is a place that did
 /// not meet. Without the patches as measure, welding all of a dense network into one node would look best.
-double blemishes(const SketchNetwork& attempt) {
+double blemishes(const StrokeNetwork& attempt) {
   const int count = network_topology(attempt.network).n_components - 1 + attempt.estimate.n_handles +
-                    attempt.estimate.n_one_sided + attempt.sketch.n_left_out +
+                    attempt.estimate.n_one_sided + attempt.strokes.n_left_out +
                     static_cast<int>(attempt.estimate.warnings.size());
   return static_cast<double>(count) / static_cast<double>(attempt.estimate.cycles.size());
 }
 
 }  // namespace
 
-std::optional<std::string> SketchNetworkOptions::problem() const {
+std::optional<std::string> StrokeNetworkOptions::problem() const {
   if (weld_tolerance != 0) {
-    SketchCleaningOptions cleaning;
+    StrokeCleaningOptions cleaning;
     cleaning.weld_tolerance = weld_tolerance;
     if (auto problem = cleaning.problem()) return problem;
   }
-  SketchCleaningOptions cleaning;
+  StrokeCleaningOptions cleaning;
   cleaning.reach = reach;
   if (auto problem = cleaning.problem()) return problem;
   if (!(step >= 0) || !(step < 0.5)) return concat("step must be from 0 to 0.5 of the diameter, got ", step);
   return std::nullopt;
 }
 
-SketchNetwork sketch_network(const CurveNetwork& sketch, const SketchNetworkOptions& options,
+StrokeNetwork stroke_network(const CurveNetwork& strokes, const StrokeNetworkOptions& options,
                              const Progress& progress) {
   if (const auto problem = options.problem()) throw InvalidInput(*problem);
-  if (options.weld_tolerance > 0) return attempt(sketch, options, options.weld_tolerance, progress);
-  std::optional<SketchNetwork> best;
+  if (options.weld_tolerance > 0) return attempt(strokes, options, options.weld_tolerance, progress);
+  std::optional<StrokeNetwork> best;
   std::optional<InvalidInput> refusal;
   for (const double tolerance : kTolerances) {
     try {
-      SketchNetwork next = attempt(sketch, options, tolerance, progress);
+      StrokeNetwork next = attempt(strokes, options, tolerance, progress);
       if (!best || blemishes(next) < blemishes(*best)) best = std::move(next);
       if (blemishes(*best) == 0) break;
     } catch (const InvalidInput& problem) {

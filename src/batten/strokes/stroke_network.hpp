@@ -4,35 +4,36 @@
 
 #include "batten/core/progress.hpp"
 #include "batten/strokes/estimated_cycles.hpp"
-#include "batten/strokes/sketch_cleaning.hpp"
+#include "batten/strokes/stroke_cleaning.hpp"
 
 namespace batten {
 
-/// Options of sketch_network(), as fractions of the diameter.
-struct SketchNetworkOptions {
-  /// As in SketchCleaningOptions; 0 tries several, from 0.5 to 1.5 % and then below, and takes the first with
+/// Options of stroke_network(), as fractions of the diameter.
+struct StrokeNetworkOptions {
+  /// As in StrokeCleaningOptions; 0 tries several, from 0.5 to 1.5 % and then below, and takes the first with
   /// the simplest surface: the fewest parts, handles, curves with one patch on both sides, pieces left out
   /// and doubtful places for each patch.
   double weld_tolerance = 0;
-  double reach = 0.03;  ///< as in SketchCleaningOptions
-  double step = 0.015;  ///< distance of the samples on the curves of the network; 0 keeps those of the sketch
+  double reach = 0.03;  ///< as in StrokeCleaningOptions
+  double step =
+      0.015;  ///< distance of the samples on the curves of the network; 0 keeps those of the strokes
 
   /// The first problem found, naming field and value, or nothing.
   std::optional<std::string> problem() const;
 };
 
-/// A sketch ready for surfacing.
-struct SketchNetwork {
+/// Strokes made ready for surfacing.
+struct StrokeNetwork {
   CurveNetwork network;       ///< sampled evenly, with estimated normals
   EstimatedCycles estimate;   ///< its patches
-  CleanedSketch sketch;       ///< what became of the strokes; its network is not sampled
+  CleanedStrokes strokes;     ///< what became of the strokes; its network is not sampled
   double weld_tolerance = 0;  ///< the one used, a fraction of the diameter
 };
 
-/// From strokes without normals to a network with patches and normals: clean_sketch(), resampled(),
+/// From strokes without normals to a network with patches and normals: clean_strokes(), resampled(),
 /// estimate_cycles().
 /// @throws InvalidInput for options out of range, as those three, or where no cycle is left; Cancelled.
-SketchNetwork sketch_network(const CurveNetwork& sketch, const SketchNetworkOptions& options = {},
+StrokeNetwork stroke_network(const CurveNetwork& strokes, const StrokeNetworkOptions& options = {},
                              const Progress& progress = {});
 
 }  // namespace batten

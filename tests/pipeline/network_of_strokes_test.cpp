@@ -1,4 +1,4 @@
-#include "batten/pipeline/stroke_network.hpp"
+#include "batten/pipeline/network_of_strokes.hpp"
 
 #include "network/torus_grid.hpp"
 
@@ -18,7 +18,7 @@ CurveNetwork torus_strokes() {
 
 TEST(NetworkOfStrokes, CountsWhatTheStrokesAmountTo) {
   const CurveNetwork strokes = torus_strokes();
-  const StrokeNetwork made = network_of_strokes(strokes);
+  const NetworkOfStrokes made = network_of_strokes(strokes);
   EXPECT_EQ(made.n_strokes, 10);  // 4 circles one way, 6 the other
   EXPECT_EQ(made.cycles.size(), 24u);
   EXPECT_EQ(made.n_handles, 1);
@@ -31,16 +31,16 @@ TEST(NetworkOfStrokes, CountsWhatTheStrokesAmountTo) {
 TEST(NetworkOfStrokes, LengthsMayBeRelativeOrInTheUnitOfTheFile) {
   const CurveNetwork strokes = torus_strokes();
   const double diameter = bounding_box_diagonal(strokes.positions);
-  StrokeNetworkOptions relative, absolute;
+  NetworkOfStrokesOptions relative, absolute;
   relative.step = {0.03, Length::Kind::Relative};
   absolute.step = {0.03 * diameter, Length::Kind::Plain};
-  const StrokeNetwork by_part = network_of_strokes(strokes, relative);
+  const NetworkOfStrokes by_part = network_of_strokes(strokes, relative);
   EXPECT_EQ(by_part.network.positions.rows(), network_of_strokes(strokes, absolute).network.positions.rows());
   EXPECT_LT(by_part.network.positions.rows(), network_of_strokes(strokes).network.positions.rows());
 }
 
 TEST(NetworkOfStrokes, BadOptionsAndStrokesWithoutExtentAreNamed) {
-  StrokeNetworkOptions options;
+  NetworkOfStrokesOptions options;
   options.weld = Length{0, Length::Kind::Plain};
   ASSERT_TRUE(options.problem().has_value());
   EXPECT_NE(options.problem()->find("weld"), std::string::npos);

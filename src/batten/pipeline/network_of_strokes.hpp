@@ -12,7 +12,7 @@
 namespace batten {
 
 /// Options of network_of_strokes(). Relative lengths are of the diameter of the strokes.
-struct StrokeNetworkOptions {
+struct NetworkOfStrokesOptions {
   /// Strokes this near meet; above 0. Nothing: what gives the simplest surface.
   std::optional<Length> weld;
   /// Ends are extended to a stroke this near; 0 extends none.
@@ -25,7 +25,7 @@ struct StrokeNetworkOptions {
 };
 
 /// A stroke set as a network that can be filled. Lengths in the unit of the strokes.
-struct StrokeNetwork {
+struct NetworkOfStrokes {
   CurveNetwork network;              ///< sampled evenly, with estimated normals
   std::vector<NetworkCycle> cycles;  ///< its patches
   int n_handles = 0;                 ///< genus
@@ -46,8 +46,8 @@ struct StrokeNetwork {
 /// Cleans strokes without normals or topology, samples them evenly, finds the patches and estimates normals.
 /// @throws InvalidInput for options out of range, strokes without extent, and where no patch is left;
 /// Cancelled.
-StrokeNetwork network_of_strokes(const CurveNetwork& strokes, const StrokeNetworkOptions& options = {},
-                                 const Progress& progress = {});
+NetworkOfStrokes network_of_strokes(const CurveNetwork& strokes, const NetworkOfStrokesOptions& options = {},
+                                    const Progress& progress = {});
 
 /// Whether a finding needs a person's eye: crossings and ends on a stroke are what every stroke set has, and
 /// are welded without a word.

@@ -1,4 +1,4 @@
-#include "batten/pipeline/stroke_network.hpp"
+#include "batten/pipeline/network_of_strokes.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
 #include "batten/mesh/triangle_mesh.hpp"
-#include "batten/strokes/sketch_network.hpp"
+#include "batten/strokes/stroke_network.hpp"
 
 namespace batten {
 
@@ -23,8 +23,8 @@ int count(const std::vector<NetworkFinding>& findings, NetworkDefect defect) {
                                         [&](const NetworkFinding& f) { return f.defect == defect; }));
 }
 
-void add_warnings(const SketchNetwork& made, std::vector<std::string>& warnings) {
-  warnings.insert(warnings.end(), made.sketch.warnings.begin(), made.sketch.warnings.end());
+void add_warnings(const StrokeNetwork& made, std::vector<std::string>& warnings) {
+  warnings.insert(warnings.end(), made.strokes.warnings.begin(), made.strokes.warnings.end());
   warnings.insert(warnings.end(), made.estimate.warnings.begin(), made.estimate.warnings.end());
   if (made.estimate.open_curves.empty()) return;
   std::string names;
@@ -36,30 +36,30 @@ void add_warnings(const SketchNetwork& made, std::vector<std::string>& warnings)
 
 }  // namespace
 
-std::optional<std::string> StrokeNetworkOptions::problem() const {
+std::optional<std::string> NetworkOfStrokesOptions::problem() const {
   if (weld && !(weld->value > 0)) return concat("weld must be positive, got ", weld->value);
   if (!(reach.value >= 0)) return concat("reach must be at least 0, got ", reach.value);
   if (!(step.value >= 0)) return concat("step must be at least 0, got ", step.value);
   return std::nullopt;
 }
 
-StrokeNetwork network_of_strokes(const CurveNetwork& strokes, const StrokeNetworkOptions& options,
-                                 const Progress& progress) {
+NetworkOfStrokes network_of_strokes(const CurveNetwork& strokes, const NetworkOfStrokesOptions& options,
+                                    const Progress& progress) {
   if (const auto problem = options.problem()) throw InvalidInput(*problem);
   const double diameter = bounding_box_diagonal(strokes.positions);
   if (!(diameter > 0) || !std::isfinite(diameter))
     throw InvalidInput("the network has no extent; all its vertices lie at one place");
-  SketchNetworkOptions fractions;
+  StrokeNetworkOptions fractions;
   fractions.weld_tolerance = options.weld ? fraction(*options.weld, diameter) : 0;
   fractions.reach = fraction(options.reach, diameter);
   fractions.step = fraction(options.step, diameter);
-  StrokeNetwork result;
-  SketchNetwork made;
+  NetworkOfStrokes result;
+  StrokeNetwork made;
   {
     const ScopedStage stage(result.times, "sketch");
-    made = sketch_network(strokes, fractions, progress);
+    made = stroke_network(strokes, fractions, progress);
   }
-  const CleanedSketch& cleaned = made.sketch;
+  const CleanedStrokes& cleaned = made.strokes;
   result.n_strokes = cleaned.n_strokes;
   result.n_dangling_ends = count(cleaned.findings, NetworkDefect::DanglingEnd);
   result.n_near_misses = count(cleaned.findings, NetworkDefect::NearMiss);
@@ -73,7 +73,7 @@ StrokeNetwork network_of_strokes(const CurveNetwork& strokes, const StrokeNetwor
   result.n_doubtful_places = static_cast<int>(made.estimate.warnings.size());
   result.n_handles = made.estimate.n_handles;
   add_warnings(made, result.warnings);
-  result.findings = std::move(made.sketch.findings);
+  result.findings = std::move(made.strokes.findings);
   result.network = std::move(made.network);
   result.cycles = std::move(made.estimate.cycles);
   return result;
