@@ -16,16 +16,25 @@ using detail::FaceFan;
 using Eigen::Index;
 using Eigen::Vector3d;
 
-/// A stroke within one face: cut out and tied to the corners of the face (H 5.2.2, first case).
-EditReport hole_in_face(PolylineMesh& mesh, const Stroke& stroke, double snap, double sharpness) {
+double turn(double from, double to) {
+  return std::remainder(to - from, 2 * kPi);
+}
+
+/// The face that a stroke lies in.
+struct FoundFace {
   int face = -1;
-  double least = std::numeric_limits<double>::infinity();
   FaceFan fan;
+};
+
+/// By the mean distance of probes along the stroke and in its middle; of faces equally near, the lowest.
+FoundFace face_below(const PolylineMesh& mesh, const Stroke& stroke, double snap) {
+  FoundFace found;
+  double least = std::numeric_limits<double>::infinity();
   const Vector3d centre = stroke.points.colwise().mean();
   Points probes(13, 3);
   probes.row(0) = centre.transpose();
   for (Index k = 0; k < 12; ++k) probes.row(k + 1) = stroke.points.row(k * stroke.points.rows() / 12);
-  // The mean distance of the probes; of faces equally near, the lowest. A fan lies in the box of its face.
+  // A fan lies in the box of its face.
   const auto bound = [&](const Box& box) {
     double sum = 0;
     for (Index k = 0; k < probes.rows(); ++k) sum += detail::distance_below(box, probes.row(k));
@@ -35,69 +44,95 @@ EditReport hole_in_face(PolylineMesh& mesh, const Stroke& stroke, double snap, d
     FaceFan candidate = detail::face_fan(mesh, mesh.face(f).sides);
     double sum = 0;
     for (Index k = 0; k < probes.rows(); ++k) sum += candidate.distance(probes.row(k));
-    if (sum / 13 < least || (sum / 13 == least && f < face)) {
+    if (sum / 13 < least || (sum / 13 == least && f < found.face)) {
       least = sum / 13;
-      face = f;
-      fan = std::move(candidate);
+      found = {f, std::move(candidate)};
     }
     return least;
   };
   mesh.face_boxes().visit_nearest(bound, visit);
-  const double allowed = std::max(2 * snap, 0.35 * std::sqrt(fan.area));
-  if (face < 0 || least > allowed)
-    throw RefusedEdit(
-        face < 0 ? std::string("there is no face to cut")
-                 : concat("the stroke lies ", detail::text_of_length(least), " from the nearest face, f",
-                          face, ", whose curves allow ", detail::text_of_length(allowed)),
-        "draw the hole on the surface");
+  const double allowed = std::max(2 * snap, 0.35 * std::sqrt(found.fan.area));
+  if (found.face < 0 || least > allowed)
+    throw RefusedEdit(found.face < 0 ? std::string("there is no face to cut")
+                                     : concat("the stroke lies ", detail::text_of_length(least),
+                                              " from the nearest face, f", found.face,
+                                              ", whose curves allow ", detail::text_of_length(allowed)),
+                      "draw the hole on the surface");
+  return found;
+}
 
-  // Angles around the centre of the hole, in its plane: of the stroke and of the outline of the face.
-  Vector3d normal = Vector3d::Zero();
-  const Index n = stroke.points.rows();
-  for (Index i = 0; i < n; ++i)
-    normal += (stroke.points.row(i).transpose() - centre)
-                  .cross(stroke.points.row((i + 1) % n).transpose() - centre);
-  normal.stableNormalize();
-  const Vector3d x = normal.unitOrthogonal(), y = normal.cross(x);
-  const auto angle_at = [&](const Vector3d& p) {
-    return std::atan2((p - centre).dot(y), (p - centre).dot(x));
-  };
-  const auto turn = [](double from, double to) { return std::remainder(to - from, 2 * kPi); };
-  const std::vector<int> sides = mesh.face(face).sides;
-  const auto n_sides = sides.size();
-  const Index per_side = fan.outline.rows() / static_cast<Index>(n_sides);
-  std::vector<double> corner_angle(n_sides);
-  double total = 0, angle = angle_at(fan.outline.row(0));
-  for (Index i = 0; i < fan.outline.rows(); ++i) {
-    if (i % per_side == 0) corner_angle[static_cast<size_t>(i / per_side)] = angle + total;
-    total += turn(angle_at(fan.outline.row(i)), angle_at(fan.outline.row((i + 1) % fan.outline.rows())));
+/// Angles around the middle of a closed stroke, in its plane.
+class AnglesAround {
+ public:
+  explicit AnglesAround(const Stroke& stroke) : centre_(stroke.points.colwise().mean()) {
+    Vector3d normal = Vector3d::Zero();
+    const Index n = stroke.points.rows();
+    for (Index i = 0; i < n; ++i)
+      normal += (stroke.points.row(i).transpose() - centre_)
+                    .cross(stroke.points.row((i + 1) % n).transpose() - centre_);
+    normal.stableNormalize();
+    x_ = normal.unitOrthogonal();
+    y_ = normal.cross(x_);
   }
-  const double sense = total > 0 ? 1 : -1;
+  double operator()(const Vector3d& p) const {
+    return std::atan2((p - centre_).dot(y_), (p - centre_).dot(x_));
+  }
+
+ private:
+  Vector3d centre_, x_, y_;
+};
+
+/// The corners of a face as seen from the middle of a hole.
+struct CornerAngles {
+  std::vector<double> angles;  ///< of each corner
+  double sense = 1;            ///< +1 where they turn as the stroke does, else −1
+};
+
+CornerAngles corner_angles(const FoundFace& found, size_t n_sides, const AnglesAround& angle_at) {
+  const Points& outline = found.fan.outline;
+  const Index per_side = outline.rows() / static_cast<Index>(n_sides);
+  CornerAngles corners;
+  corners.angles.resize(n_sides);
+  double total = 0;
+  const double angle = angle_at(outline.row(0));
+  for (Index i = 0; i < outline.rows(); ++i) {
+    if (i % per_side == 0) corners.angles[static_cast<size_t>(i / per_side)] = angle + total;
+    total += turn(angle_at(outline.row(i)), angle_at(outline.row((i + 1) % outline.rows())));
+  }
+  corners.sense = total > 0 ? 1 : -1;
   bool in_order = std::abs(std::abs(total) - 2 * kPi) < 1e-6;
   for (size_t k = 0; k < n_sides && in_order; ++k) {
-    const double next = k + 1 < n_sides ? corner_angle[k + 1] : corner_angle[0] + total;
-    in_order = sense * (next - corner_angle[k]) > 1e-3;
+    const double next = k + 1 < n_sides ? corners.angles[k + 1] : corners.angles[0] + total;
+    in_order = corners.sense * (next - corners.angles[k]) > 1e-3;
   }
   if (!in_order)
-    throw RefusedEdit(concat("the corners of f", face,
+    throw RefusedEdit(concat("the corners of f", found.face,
                              " cannot all be tied to the hole without crossing: seen from its "
                              "middle they are not in order"),
-                      concat("divide f", face, " by a curve first, or draw the hole across a curve"));
+                      concat("divide f", found.face, " by a curve first, or draw the hole across a curve"));
+  return corners;
+}
 
-  // One point of the stroke for each corner: where the ray towards the corner leaves the hole.
-  struct Tie {
-    size_t corner;
-    double arc;
-    Vector3d position;
-    int vertex = -1;
-  };
+/// Where a corner of the face is tied to the hole.
+struct Tie {
+  size_t corner;
+  double arc;
+  Vector3d position;
+  int vertex = -1;
+};
+
+/// One point of the stroke for each corner: where the ray towards the corner leaves the hole.
+std::vector<Tie> ties_of_corners(const Stroke& stroke, const CornerAngles& corners,
+                                 const AnglesAround& angle_at) {
   const std::vector<double> arcs = stroke.arcs();
+  const Index n = stroke.points.rows();
   std::vector<Tie> ties;
-  for (size_t k = 0; k < n_sides; ++k) {
+  for (size_t k = 0; k < corners.angles.size(); ++k) {
+    const double angle = corners.angles[k];
     Tie tie{k, 0, stroke.points.row(0)};
     for (Index i = 0; i < n; ++i) {
       const Vector3d p = stroke.points.row(i), q = stroke.points.row((i + 1) % n);
-      const double before = turn(corner_angle[k], angle_at(p)), after = turn(corner_angle[k], angle_at(q));
+      const double before = turn(angle, angle_at(p)), after = turn(angle, angle_at(q));
       if (before > 0 || after <= 0 || after - before > kPi) continue;
       const double t = before / (before - after);
       tie.arc = arcs[static_cast<size_t>(i)] +
@@ -106,12 +141,46 @@ EditReport hole_in_face(PolylineMesh& mesh, const Stroke& stroke, double snap, d
     }
     ties.push_back(tie);
   }
-  std::vector<Tie> around = ties;
-  std::sort(around.begin(), around.end(), [](const Tie& a, const Tie& b) { return a.arc < b.arc; });
-  for (size_t k = 0; k + 1 < around.size(); ++k)
-    if (around[k + 1].arc - around[k].arc < 1e-6 * stroke.length)
+  return ties;
+}
+
+/// The same in their order along the stroke.
+std::vector<Tie> along_stroke(std::vector<Tie> ties, const Stroke& stroke, int face) {
+  std::sort(ties.begin(), ties.end(), [](const Tie& a, const Tie& b) { return a.arc < b.arc; });
+  for (size_t k = 0; k + 1 < ties.size(); ++k)
+    if (ties[k + 1].arc - ties[k].arc < 1e-6 * stroke.length)
       throw RefusedEdit(concat("two corners of f", face, " would be tied to one point of the hole"),
                         "draw the hole as a convex curve");
+  return ties;
+}
+
+/// A curve from each corner of the face to its tie, as sides that leave the corner.
+std::vector<int> add_ties(PolylineMesh& mesh, const std::vector<int>& sides, const std::vector<Tie>& ties,
+                          EditReport& report) {
+  std::vector<int> tie_side(sides.size());
+  for (size_t k = 0; k < sides.size(); ++k) {
+    const int corner = mesh.start_of(sides[k]);
+    if (mesh.vertex(corner).is_seam) mesh.set_seam(corner, false);
+    Points line(2, 3);
+    line << mesh.vertex(corner).position.transpose(), ties[k].position.transpose();
+    const int curve = mesh.add_curve();
+    tie_side[k] = side_of(
+        mesh.add_edge(corner, ties[k].vertex, std::make_shared<Polyline>(line), curve, 0, false), false);
+    report.curves.push_back(curve);
+  }
+  return tie_side;
+}
+
+/// A stroke within one face: cut out and tied to the corners of the face (H 5.2.2, first case).
+EditReport hole_in_face(PolylineMesh& mesh, const Stroke& stroke, double snap, double sharpness) {
+  const FoundFace found = face_below(mesh, stroke, snap);
+  const int face = found.face;
+  const std::vector<int> sides = mesh.face(face).sides;
+  const size_t n_sides = sides.size();
+  const AnglesAround angle_at(stroke);
+  const CornerAngles corners = corner_angles(found, n_sides, angle_at);
+  std::vector<Tie> ties = ties_of_corners(stroke, corners, angle_at);
+  std::vector<Tie> around = along_stroke(ties, stroke, face);
   std::vector<HeldPoint> held;
   std::vector<int> vertices;
   for (Tie& tie : around) {
@@ -130,23 +199,14 @@ EditReport hole_in_face(PolylineMesh& mesh, const Stroke& stroke, double snap, d
   }
   EditReport report;
   report.curves = {hole.curve};
-  std::vector<int> tie_side(n_sides);
-  for (size_t k = 0; k < n_sides; ++k) {
-    const int corner = mesh.start_of(sides[k]);
-    if (mesh.vertex(corner).is_seam) mesh.set_seam(corner, false);
-    Points line(2, 3);
-    line << mesh.vertex(corner).position.transpose(), ties[k].position.transpose();
-    const int curve = mesh.add_curve();
-    tie_side[k] = side_of(
-        mesh.add_edge(corner, ties[k].vertex, std::make_shared<Polyline>(line), curve, 0, false), false);
-    report.curves.push_back(curve);
-  }
+  const std::vector<int> tie_side = add_ties(mesh, sides, ties, report);
   mesh.remove_face(face);
   for (size_t k = 0; k < n_sides; ++k) {
     const size_t next = (k + 1) % n_sides;
     // The hole between the two ties, walked from that of the next corner to that of this one.
-    const std::vector<int> back = sense > 0 ? detail::reversed_chain(chain_from[k]) : chain_from[next];
-    if (corner_after[sense > 0 ? k : next] != static_cast<int>(sense > 0 ? next : k))
+    const bool same_sense = corners.sense > 0;
+    const std::vector<int> back = same_sense ? detail::reversed_chain(chain_from[k]) : chain_from[next];
+    if (corner_after[same_sense ? k : next] != static_cast<int>(same_sense ? next : k))
       throw RefusedEdit(concat("the hole cannot be tied to the corners of f", face, " in their order"),
                         "draw the hole as a convex curve");
     std::vector<int> walk{sides[k], tie_side[next]};
