@@ -1,6 +1,7 @@
 #include "batten/linalg/sparse_cholesky.hpp"
 
 #include <algorithm>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -41,6 +42,40 @@ class Factor {
   virtual bool solve(const Eigen::MatrixXd& B, Eigen::MatrixXd& X) const = 0;
 };
 
+/// Backward and forward substitution with a unit lower triangular L in column-major storage, `Columns`
+/// columns of right-hand sides at a time: row by row they lie side by side, so that the factor is read once
+/// for all of them. Every column sees the same operations in the same order as if it were alone.
+template <int Columns>
+void substitute(const SparseMatrix& L, const Eigen::VectorXd& diagonal, const Eigen::VectorXi& place_of,
+                const Eigen::MatrixXd& B, Eigen::Index first, Eigen::MatrixXd& X,
+                std::vector<double>& buffer) {
+  using Row = Eigen::Map<Eigen::Matrix<double, 1, Columns>>;
+  const Eigen::Index n = L.rows();
+  const int* const outer = L.outerIndexPtr();
+  const int* const inner = L.innerIndexPtr();
+  const int* const counts = L.innerNonZeroPtr();
+  const double* const value = L.valuePtr();
+  const auto end_of = [&](Eigen::Index j) { return counts != nullptr ? outer[j] + counts[j] : outer[j + 1]; };
+  buffer.resize(static_cast<std::size_t>(n) * Columns);
+  double* const work = buffer.data();
+  for (int c = 0; c < Columns; ++c)
+    for (Eigen::Index i = 0; i < n; ++i) work[place_of[i] * Columns + c] = B(i, first + c);
+  for (Eigen::Index j = 0; j < n; ++j) {
+    const Eigen::Matrix<double, 1, Columns> solved = Row(work + j * Columns);
+    if ((solved.array() == 0).all()) continue;
+    for (int e = outer[j]; e < end_of(j); ++e)
+      Row(work + Eigen::Index{inner[e]} * Columns) -= value[e] * solved;
+  }
+  for (Eigen::Index j = 0; j < n; ++j) Row(work + j * Columns) *= 1 / diagonal[j];
+  for (Eigen::Index j = n; j-- > 0;) {
+    Eigen::Matrix<double, 1, Columns> sum = Row(work + j * Columns);
+    for (int e = outer[j]; e < end_of(j); ++e) sum -= value[e] * Row(work + Eigen::Index{inner[e]} * Columns);
+    Row(work + j * Columns) = sum;
+  }
+  for (int c = 0; c < Columns; ++c)
+    for (Eigen::Index i = 0; i < n; ++i) X(i, first + c) = work[place_of[i] * Columns + c];
+}
+
 class EigenFactor : public Factor {
  public:
   bool factorize(const SparseMatrix& A, bool same_pattern) override {
@@ -50,11 +85,30 @@ class EigenFactor : public Factor {
     return ldlt_.info() == Eigen::Success && (A.rows() == 0 || ldlt_.vectorD().minCoeff() > 0);
   }
   bool solve(const Eigen::MatrixXd& B, Eigen::MatrixXd& X) const override {
-    X = ldlt_.solve(B);
-    return ldlt_.info() == Eigen::Success;
+    if (ldlt_.info() != Eigen::Success) return false;
+    X.resize(B.rows(), B.cols());
+    std::vector<double> buffer;
+    for (Eigen::Index first = 0; first < B.cols();) first += substitute_next(B, first, X, buffer);
+    return true;
   }
 
  private:
+  /// As many of the columns from `first` on as go at a time. @return how many.
+  int substitute_next(const Eigen::MatrixXd& B, Eigen::Index first, Eigen::MatrixXd& X,
+                      std::vector<double>& buffer) const {
+    const auto with = [&](auto columns) {
+      substitute<columns()>(ldlt_.matrixL().nestedExpression(), ldlt_.vectorD(),
+                            ldlt_.permutationP().indices(), B, first, X, buffer);
+      return columns();
+    };
+    const Eigen::Index left = B.cols() - first;
+    if (left >= 8) return with(std::integral_constant<int, 8>());
+    if (left >= 6) return with(std::integral_constant<int, 6>());
+    if (left >= 3) return with(std::integral_constant<int, 3>());
+    if (left >= 2) return with(std::integral_constant<int, 2>());
+    return with(std::integral_constant<int, 1>());
+  }
+
   Eigen::SimplicialLDLT<SparseMatrix, Eigen::Lower> ldlt_;
 };
 
