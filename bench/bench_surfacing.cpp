@@ -2,7 +2,12 @@
 // back-substitution, at three sizes. Build with -DBATTEN_BUILD_BENCH=ON; see docs/performance.md.
 #include "memory.hpp"
 #include "network/sample_networks.hpp"
+#include "network/torus_grid.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <limits>
 #include <map>
 #include <memory>
 
@@ -106,12 +111,75 @@ void BM_Resolve(benchmark::State& state) {
   report(state, solver.result());
 }
 
+/// A torus of 7 × 8 patches with `edges` edges on every side of a patch.
+CurveNetwork torus_of(int edges) {
+  CurveNetwork network = fixtures::torus_grid(8, 7, edges, 0);
+  network.normals = network.positions;
+  for (Eigen::Index v = 0; v < network.normals.rows(); ++v) {
+    const Eigen::RowVector3d p = network.positions.row(v);
+    const Eigen::RowVector3d middle = 2 * Eigen::RowVector3d(p.x(), p.y(), 0).normalized();
+    network.normals.row(v) = (p - middle).normalized();
+  }
+  return network;
+}
+
+/// Processor time of a call in ms, all threads together.
+template <typename Call>
+double milliseconds(const Call& call) {
+  const std::clock_t begin = std::clock();
+  call();
+  return 1e3 * static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+}
+
+/// Moves of a surface of 56 patches, one after the other in every round so that all see the same machine; the
+/// least of all rounds counts. A node and the sides that meet there belong to four patches.
+void BM_Moves(benchmark::State& state) {
+  const CurveNetwork network = torus_of(static_cast<int>(state.range(0)));
+  const int per_node = 2 * static_cast<int>(state.range(0)) - 1;
+  double fresh = std::numeric_limits<double>::infinity(), whole = fresh, four = fresh, dragged = fresh;
+  SurfaceMove last;
+  Eigen::Index triangles = 0;
+  for (auto _ : state) {
+    std::unique_ptr<SurfaceSolver> solver;
+    fresh = std::min(fresh, milliseconds([&] { solver = std::make_unique<SurfaceSolver>(network); }));
+    triangles = solver->result().mesh.triangles.rows();
+    Points all = network.positions, one = network.positions;
+    for (int round = 0; round < 7; ++round) {
+      all.col(2).array() += 1e-3;
+      one.middleRows(10 * per_node, 1).array() += 1e-3;
+      const auto move = [&](const Points& positions, const SurfaceMoveOptions& options) {
+        return milliseconds([&] { last = solver->move(positions, network.normals, options); });
+      };
+      const double all_now = move(all, {});
+      move(one, {});  // takes all others back
+      one.middleRows(10 * per_node, 1).array() += 1e-3;
+      const double four_now = move(one, {}), dragged_now = move(one, {.positions_only = true});
+      // The first round makes the factors.
+      if (round == 0) continue;
+      whole = std::min(whole, all_now);
+      four = std::min(four, four_now);
+      dragged = std::min(dragged, dragged_now);
+    }
+  }
+  state.counters["triangles"] = static_cast<double>(triangles);
+  state.counters["patches"] = last.patches_solved;
+  state.counters["fresh_ms"] = fresh;
+  state.counters["whole_ms"] = whole;
+  state.counters["four_ms"] = four;
+  state.counters["dragged_ms"] = dragged;
+  state.counters["whole/fresh"] = whole / fresh;
+  state.counters["four/whole"] = four / whole;
+  state.counters["dragged/whole"] = dragged / whole;
+}
+
 #define SIZES ->Arg(10000)->Arg(100000)->Arg(1000000)->Unit(benchmark::kMillisecond)
 BENCHMARK(BM_WholeSurface) SIZES;
 BENCHMARK(BM_FactoriseAndSolve) SIZES;
 BENCHMARK(BM_BackSubstitution) SIZES;
 BENCHMARK(BM_BackSubstitutionInTurn) SIZES;
 BENCHMARK(BM_Resolve) SIZES;
+// Edges per side that give some 15,000, 50,000 and 60,000 triangles.
+BENCHMARK(BM_Moves)->Arg(8)->Arg(15)->Arg(16)->Iterations(1)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace batten

@@ -1,29 +1,30 @@
 #include "batten/surfacing/surface.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdint>
-#include <limits>
-#include <tuple>
+#include <utility>
 
 #include <Eigen/Dense>
 
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
-#include "batten/core/units.hpp"
 #include "batten/operators/curvature.hpp"
 #include "batten/surfacing/fairing_detail.hpp"
 #include "batten/surfacing/patch_detail.hpp"
+#include "batten/surfacing/surface_input_detail.hpp"
+#include "batten/surfacing/surface_move_detail.hpp"
 
 namespace batten {
 
 namespace {
 
+using detail::curvature_target;
 using detail::FairingSystems;
 using detail::PatchLayout;
 using detail::PatchMesh;
 using detail::ScaledNetwork;
+using detail::Soundness;
+using detail::soundness_of;
 using Eigen::Index;
 using Eigen::RowVector3d;
 
@@ -36,120 +37,6 @@ constexpr double kMoveThatEnds = 2e-4;
 constexpr int kNormalPasses = 2;
 /// Soft constraints: weight 1 stands for (2π / 0.15)³, see SurfaceOptions::soft_weight.
 constexpr double kSoftUnit = 7.3e4;
-
-void check(const CurveNetwork& network, const SurfaceOptions& options) {
-  if (const auto problem = options.problem()) throw InvalidInput(*problem);
-  if (network.curves.empty()) throw InvalidInput("the network has no curves; there is nothing to surface");
-  if (!network.has_normals())
-    throw InvalidInput(
-        "the network has no normals, which the surface is built from; give one unit normal per vertex");
-  network_topology(network);  // indices in range, curves long enough
-  for (std::size_t c = 0; c < network.curves.size(); ++c)
-    for (const int v : network.curves[c].vertices)
-      if (!network.positions.row(v).allFinite() || !network.normals.row(v).allFinite())
-        throw InvalidInput(concat("vertex ", v, " of ", curve_name(network, static_cast<int>(c)),
-                                  " has a coordinate that is not a number; repair or remove it"));
-}
-
-ScaledNetwork scaled(const CurveNetwork& network) {
-  RowVector3d low = RowVector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
-  for (const NetworkCurve& curve : network.curves)
-    for (const int v : curve.vertices) {
-      low = low.cwiseMin(network.positions.row(v));
-      high = high.cwiseMax(network.positions.row(v));
-    }
-  ScaledNetwork result;
-  result.diameter = (high - low).norm();
-  if (!(result.diameter > 0) || !std::isfinite(result.diameter))
-    throw InvalidInput("the network has no extent; all its vertices lie at one place");
-  result.centre = 0.5 * (low + high);
-  result.positions = (network.positions.rowwise() - result.centre) / result.diameter;
-  result.normals = network.normals;
-  for (Index v = 0; v < result.normals.rows(); ++v)
-    if (result.normals.row(v).norm() > 0) result.normals.row(v).normalize();
-  return result;
-}
-
-/// Samples crowded on a curve say little about the normals but much about their noise: two that differ by 5°
-/// at a hundredth of the usual distance bend the propagated normals over in the whole patch. Of samples
-/// closer than 0.3 of the mean step only the first keeps its normal, the others interpolate.
-/// @return how many were changed.
-int calm_crowded_normals(const CurveNetwork& network, ScaledNetwork& s) {
-  constexpr double kCrowded = 0.3;
-  std::vector<int> degree(network.positions.rows(), 0);
-  for (const NetworkCurve& curve : network.curves)
-    for (std::size_t i = 0; i + 1 < curve.vertices.size(); ++i) {
-      ++degree[curve.vertices[i]];
-      ++degree[curve.vertices[i + 1]];
-    }
-  int changed = 0;
-  for (const NetworkCurve& curve : network.curves) {
-    const std::size_t n = curve.vertices.size();
-    std::vector<double> along(n, 0);
-    for (std::size_t i = 1; i < n; ++i)
-      along[i] =
-          along[i - 1] + (s.positions.row(curve.vertices[i]) - s.positions.row(curve.vertices[i - 1])).norm();
-    const double gap = kCrowded * along.back() / static_cast<double>(n - 1);
-    std::vector<std::size_t> kept = {0};
-    for (std::size_t i = 1; i < n; ++i) {
-      const bool node = degree[curve.vertices[i]] != 2 || i + 1 == n;
-      // A sample just before a node gives way to the node.
-      while (node && kept.size() > 1 && along[i] - along[kept.back()] < gap &&
-             degree[curve.vertices[kept.back()]] == 2)
-        kept.pop_back();
-      if (node || along[i] - along[kept.back()] >= gap) kept.push_back(i);
-    }
-    for (std::size_t k = 0; k + 1 < kept.size(); ++k)
-      for (std::size_t i = kept[k] + 1; i < kept[k + 1]; ++i) {
-        const double t = (along[i] - along[kept[k]]) / (along[kept[k + 1]] - along[kept[k]]);
-        const RowVector3d mean =
-            (1 - t) * s.normals.row(curve.vertices[kept[k]]) + t * s.normals.row(curve.vertices[kept[k + 1]]);
-        if (mean.norm() < 1e-9) continue;
-        s.normals.row(curve.vertices[i]) = mean.normalized();
-        ++changed;
-      }
-  }
-  return changed;
-}
-
-/// Two vertices at one place make an edge of no length somewhere; say which before the mesher stumbles. Where
-/// the cycles are given, that is so only of two in one cycle: others make a crease.
-void check_coincident(const CurveNetwork& network, const ScaledNetwork& s,
-                      const std::vector<NetworkCycle>& given) {
-  struct Place {
-    std::array<std::int64_t, 3> cell;
-    int vertex, curve;
-    bool operator<(const Place& o) const { return std::tie(cell, vertex) < std::tie(o.cell, o.vertex); }
-  };
-  std::vector<Place> places;
-  std::vector<char> seen(network.positions.rows(), 0);
-  for (std::size_t c = 0; c < network.curves.size(); ++c)
-    for (const int v : network.curves[c].vertices) {
-      if (seen[v]) continue;
-      seen[v] = 1;
-      Place place{{}, v, static_cast<int>(c)};
-      for (int k = 0; k < 3; ++k) place.cell[k] = std::llround(s.positions(v, k) / 0.7548776662466927e-9);
-      places.push_back(place);
-    }
-  std::sort(places.begin(), places.end());
-  std::vector<std::vector<std::size_t>> cycles_of(given.empty() ? 0 : seen.size());
-  for (std::size_t c = 0; c < given.size(); ++c)
-    for (const NetworkCycle::Loop& loop : given[c].loops)
-      for (const int v : loop.vertices)
-        if (cycles_of[v].empty() || cycles_of[v].back() != c) cycles_of[v].push_back(c);
-  const auto share_a_cycle = [&](int a, int b) {
-    for (const std::size_t c : cycles_of[a])
-      if (std::binary_search(cycles_of[b].begin(), cycles_of[b].end(), c)) return true;
-    return false;
-  };
-  for (std::size_t i = 1; i < places.size(); ++i)
-    for (std::size_t j = i; j-- > 0 && places[j].cell == places[i].cell;)
-      if (given.empty() || share_a_cycle(places[j].vertex, places[i].vertex))
-        throw InvalidInput(
-            concat("the vertices ", places[j].vertex, " of ", curve_name(network, places[j].curve), " and ",
-                   places[i].vertex, " of ", curve_name(network, places[i].curve),
-                   " lie at the same place; merge them into one vertex so that the curves are joined"));
-}
 
 }  // namespace
 
@@ -179,18 +66,18 @@ struct SurfaceSolver::Implementation {
   bool cycles_are_given = false;  ///< found from curves alone, so that one that cannot be filled may be wrong
 
   void build(const Progress& progress) {
-    check(network, options);
+    detail::check_surface_input(network, options);
     progress.report("cycles", 0);
     {
       ScopedStage stage(result.times, "cycles");
-      scaled_network = scaled(network);
-      check_coincident(network, scaled_network, cycles);
+      scaled_network = detail::scaled_network(network);
+      detail::check_coincident(network, scaled_network, cycles);
       if (cycles.empty()) {
         CycleReport report = find_cycles(network);
         cycles = std::move(report.cycles);
         result.warnings = std::move(report.warnings);
       }
-      if (const int crowded = calm_crowded_normals(network, scaled_network); crowded > 0)
+      if (const int crowded = detail::calm_crowded_normals(network, scaled_network); crowded > 0)
         result.warnings.push_back(
             concat(crowded,
                    " samples closer than 0.3 of the mean step of their curve took the normal "
@@ -201,7 +88,7 @@ struct SurfaceSolver::Implementation {
     const std::vector<char> folded = folded_patches();
     if (std::find(folded.begin(), folded.end(), 1) != folded.end()) {
       // A patch that folded over gets another layout, once; where that is no better, the first is kept.
-      const int before = judge(positions, normals).folded;
+      const int before = soundness_of(positions, normals, triangles).folded;
       std::vector<char> retry = in_space;
       for (std::size_t p = 0; p < cycles.size(); ++p)
         if (folded[p]) retry[p] = 1;
@@ -209,7 +96,7 @@ struct SurfaceSolver::Implementation {
       if (retry != in_space) {
         try {
           make(retry, progress);
-          better = judge(positions, normals).folded < before;
+          better = soundness_of(positions, normals, triangles).folded < before;
         } catch (const InvalidInput&) {  // not to be filled in space
         } catch (const SolverFailure&) {
         }
@@ -320,21 +207,6 @@ struct SurfaceSolver::Implementation {
     return values;
   }
 
-  /// Curvature target 2HN·A of the final fit. The first metric comes from plane layouts that do not fit
-  /// together, so there the positions' own curvature vector (4.18) is used; later ones are those of the
-  /// positions themselves, and the form along edges is exact on spheres.
-  Points curvature_target(const Points& X, const Points& N) const {
-    Points target(X.rows(), 3);
-    if (metric_from_layout) {
-      const Points vectors = integrated_curvature_from_normals(X, N, triangles);
-      for (Index v = 0; v < X.rows(); ++v) target.row(v) = -vectors.row(v).dot(N.row(v)) * N.row(v);
-    } else {
-      const Eigen::VectorXd curvature = detail::curvature_along_edges(systems->stiffness(), X, N);
-      for (Index v = 0; v < X.rows(); ++v) target.row(v) = curvature[v] * N.row(v);
-    }
-    return target;
-  }
-
   /// Moves the normals towards the field of unit vectors with the least Σ A |tangential part of ΔN|². On a
   /// surface that part is 2∇H (Δ N = −|∇N|² N − 2∇H), so constant mean curvature costs nothing, while the
   /// biharmonic field of (4.12b) is not exact even on a sphere. The matrix is the same.
@@ -373,7 +245,7 @@ struct SurfaceSolver::Implementation {
         return;
       case SurfaceMethod::BiharmonicNormals: {
         if (metric_from_layout) propagate_base(options.base_order);
-        Points vectors = curvature_target(positions, normals);
+        Points vectors = curvature_target(*systems, triangles, metric_from_layout, positions, normals);
         const Eigen::VectorXd& inverse = systems->inverse_mass();
         for (Index v = 0; v < vectors.rows(); ++v) vectors.row(v) *= inverse[v];
         positions = systems->biharmonic_with_curvature(vectors, given);
@@ -384,7 +256,8 @@ struct SurfaceSolver::Implementation {
           propagate_base(options.base_order);
         else
           refine_normals();
-        positions = systems->fit_laplacian(curvature_target(positions, normals), given);
+        positions = systems->fit_laplacian(
+            curvature_target(*systems, triangles, metric_from_layout, positions, normals), given);
         return;
     }
   }
@@ -401,7 +274,7 @@ struct SurfaceSolver::Implementation {
     const bool automatic = options.rebuilds < 0;
     const int most =
         automatic ? (options.method == SurfaceMethod::Curvature ? kMostRebuilds : 0) : options.rebuilds;
-    Soundness soundness = judge(positions, normals);
+    Soundness soundness = soundness_of(positions, normals, triangles);
     EdgeLengths kept_lengths = layout_lengths;
     for (int rebuild = 1; rebuild <= most; ++rebuild) {
       progress.report("geometry", static_cast<double>(rebuild) / (most + 1));
@@ -416,7 +289,7 @@ struct SurfaceSolver::Implementation {
         metric_from_layout = false;
         pass();
         move = (positions - old_positions).rowwise().norm().mean();
-        now = judge(positions, normals);
+        now = soundness_of(positions, normals, triangles);
         if (now.folded > soundness.folded || now.degenerate > soundness.degenerate)
           refusal = "it would fold or flatten triangles";
         else if (rebuild > 1 && move > 0.9 * result.last_move)
@@ -441,29 +314,6 @@ struct SurfaceSolver::Implementation {
     }
   }
 
-  struct Soundness {
-    int folded = 0, degenerate = 0;
-  };
-
-  bool is_folded(const Points& X, const Points& N, Index f) const {
-    return detail::is_folded(X, N, triangles, f);
-  }
-
-  Soundness judge(const Points& X, const Points& N) const {
-    Soundness s;
-    const double least2 = std::pow(std::sin(radians(0.5)), 2);
-    for (Index f = 0; f < triangles.rows(); ++f) {
-      const RowVector3d a = X.row(triangles(f, 0)), b = X.row(triangles(f, 1)), c = X.row(triangles(f, 2));
-      const double sides2[3] = {(c - b).squaredNorm(), (a - c).squaredNorm(), (b - a).squaredNorm()};
-      // The two longest sides enclose the smallest angle; the area is half its sine times both.
-      const double shortest2 = std::min({sides2[0], sides2[1], sides2[2]});
-      const double longer2 = shortest2 > 0 ? sides2[0] * sides2[1] * sides2[2] / shortest2 : 0;
-      if (!((b - a).cross(c - a).squaredNorm() > least2 * longer2)) ++s.degenerate;
-      if (is_folded(X, N, f)) ++s.folded;
-    }
-    return s;
-  }
-
   /// Patches of which more than a thousandth of the area is folded: fewer are slivers beside samples that lie
   /// close together, which no other layout would mend.
   std::vector<char> folded_patches() const {
@@ -474,7 +324,7 @@ struct SurfaceSolver::Implementation {
       const double size = (b - a).cross(c - a).norm();
       const auto p = static_cast<std::size_t>(result.patch_of_triangle[static_cast<std::size_t>(f)]);
       area[p] += size;
-      if (is_folded(positions, normals, f)) folded_area[p] += size;
+      if (detail::is_folded(positions, normals, triangles, f)) folded_area[p] += size;
     }
     std::vector<char> folded(cycles.size(), 0);
     for (std::size_t p = 0; p < cycles.size(); ++p) folded[p] = folded_area[p] > 1e-3 * area[p];
@@ -483,28 +333,11 @@ struct SurfaceSolver::Implementation {
 
   void finish() {
     ScopedStage stage(result.times, "output");
-    const Soundness s = judge(positions, normals);
-    result.folded_triangles = s.folded;
-    result.degenerate_triangles = s.degenerate;
     result.n_cycles = static_cast<int>(cycles.size());
-    built_positions = positions;
-    built_normals = normals;
-    base_warnings = result.warnings;
-    base_warnings.insert(base_warnings.end(), patch_warnings.begin(), patch_warnings.end());
-    write_result(s);
-  }
-
-  void write_result(const Soundness& s) {
-    result.warnings = base_warnings;
-    if (s.folded > 0)
-      result.warnings.push_back(
-          concat(s.folded,
-                 " triangles are turned away from the propagated normals; the network has too few "
-                 "curves there, or normals that contradict its curves"));
-    if (s.degenerate > 0)
-      result.warnings.push_back(concat(s.degenerate, " triangles have an angle below half a degree"));
-    if (result.mesh.triangles.rows() != triangles.rows() || result.mesh.triangles != triangles)
-      result.mesh.triangles = triangles;
+    result.warnings.insert(result.warnings.end(), patch_warnings.begin(), patch_warnings.end());
+    warnings_of_build = result.warnings;
+    take_soundness(soundness_of(positions, normals, triangles));
+    result.mesh.triangles = triangles;
     result.mesh.positions = (positions * scaled_network.diameter).rowwise() + scaled_network.centre;
     // Interpolation is exact, not up to the rounding of the scaling.
     if (!options.soft_constraints)
@@ -512,8 +345,61 @@ struct SurfaceSolver::Implementation {
     result.mesh.normals = normals;
   }
 
-  std::vector<std::string> patch_warnings, base_warnings;
-  Points built_positions, built_normals;  ///< as built, from which moves start
+  void take_soundness(const Soundness& s) {
+    result.folded_triangles = s.folded;
+    result.degenerate_triangles = s.degenerate;
+    result.warnings = warnings_of_build;
+    if (s.folded > 0)
+      result.warnings.push_back(
+          concat(s.folded,
+                 " triangles are turned away from the propagated normals; the network has too few "
+                 "curves there, or normals that contradict its curves"));
+    if (s.degenerate > 0)
+      result.warnings.push_back(concat(s.degenerate, " triangles have an angle below half a degree"));
+  }
+
+  SurfaceMove move(const Points& moved_positions, const Points& moved_normals,
+                   const SurfaceMoveOptions& move_options) {
+    const Index n = network.positions.rows();
+    if (moved_positions.rows() != n || moved_normals.rows() != n)
+      throw InvalidInput(concat("moving a network of ", n,
+                                " vertices needs as many positions and normals, got ", moved_positions.rows(),
+                                " and ", moved_normals.rows()));
+    if (!moved_positions.allFinite() || !moved_normals.allFinite())
+      throw InvalidInput("a moved vertex has a coordinate that is not a number");
+    CurveNetwork moved = network;
+    moved.positions = moved_positions;
+    moved.normals = moved_normals;
+    ScaledNetwork scaled = scaled_network;
+    detail::rescale_network(moved, scaled);
+    detail::calm_crowded_normals(moved, scaled);
+    if (!mover)
+      mover = std::make_unique<detail::SurfaceMover>(*systems, triangles, metric_from_layout, options.method,
+                                                     positions, normals, scaled_network);
+    const detail::MovedVertices changed = mover->move(scaled.positions, scaled.normals, move_options);
+    network = std::move(moved);
+    const auto moved_by = [&](Index v) -> RowVector3d {
+      if (v < n && !options.soft_constraints) return network.positions.row(v);
+      return mover->positions().row(v) * scaled_network.diameter + scaled_network.centre;
+    };
+    SurfaceMove report;
+    report.patches_solved = changed.parts_solved;
+    for (const int v : changed.vertices) {
+      if (const RowVector3d p = moved_by(v); p != result.mesh.positions.row(v)) {
+        result.mesh.positions.row(v) = p;
+        detail::append(report.positions, v);
+      }
+      if (!move_options.positions_only && mover->normals().row(v) != result.mesh.normals.row(v)) {
+        result.mesh.normals.row(v) = mover->normals().row(v);
+        detail::append(report.normals, v);
+      }
+    }
+    if (!move_options.positions_only) take_soundness(mover->soundness());
+    return report;
+  }
+
+  std::vector<std::string> patch_warnings, warnings_of_build;
+  std::unique_ptr<detail::SurfaceMover> mover;  ///< made by the first move
 };
 
 SurfaceSolver::SurfaceSolver(const CurveNetwork& network, const SurfaceOptions& options,
@@ -548,42 +434,9 @@ const SurfaceResult& SurfaceSolver::result() const {
   return implementation_->result;
 }
 
-const SurfaceResult& SurfaceSolver::move(const Points& positions, const Points& normals) {
-  Implementation& self = *implementation_;
-  const Index n = self.network.positions.rows();
-  if (positions.rows() != n || normals.rows() != n)
-    throw InvalidInput(concat("moving a network of ", n,
-                              " vertices needs as many positions and normals, got ", positions.rows(),
-                              " and ", normals.rows()));
-  if (!positions.allFinite() || !normals.allFinite())
-    throw InvalidInput("a moved vertex has a coordinate that is not a number");
-  self.network.positions = positions;
-  self.network.normals = normals;
-  self.scaled_network.positions =
-      (positions.rowwise() - self.scaled_network.centre) / self.scaled_network.diameter;
-  self.scaled_network.normals = normals;
-  for (Index v = 0; v < n; ++v)
-    if (normals.row(v).norm() > 0) self.scaled_network.normals.row(v).normalize();
-  calm_crowded_normals(self.network, self.scaled_network);
-  // The surface that was built plus the displacement of its curves, spread biharmonically, is the base; then
-  // the fit. Taken from the surface that was built, not from the last move: moves do not add up errors.
-  Eigen::MatrixXd displacement = Eigen::MatrixXd::Zero(self.positions.rows(), 6);
-  displacement.topLeftCorner(n, 3) = self.scaled_network.positions - self.built_positions.topRows(n);
-  displacement.topRightCorner(n, 3) = self.scaled_network.normals - self.built_normals.topRows(n);
-  const Eigen::MatrixXd spread = self.systems->polyharmonic(2, displacement);
-  self.positions = self.built_positions + spread.leftCols(3);
-  self.normals = self.built_normals + spread.rightCols(3);
-  detail::normalize_propagated(self.normals, self.systems->stiffness());
-  if (self.options.method == SurfaceMethod::Curvature)
-    self.positions = self.systems->fit_laplacian(self.curvature_target(self.positions, self.normals),
-                                                 self.network_values(self.scaled_network.positions));
-  else if (self.options.method != SurfaceMethod::Biharmonic)
-    self.pass();
-  const Implementation::Soundness s = self.judge(self.positions, self.normals);
-  self.result.folded_triangles = s.folded;
-  self.result.degenerate_triangles = s.degenerate;
-  self.write_result(s);
-  return self.result;
+SurfaceMove SurfaceSolver::move(const Points& positions, const Points& normals,
+                                const SurfaceMoveOptions& options) {
+  return implementation_->move(positions, normals, options);
 }
 
 SurfaceResult surface_network(const CurveNetwork& network, const SurfaceOptions& options,

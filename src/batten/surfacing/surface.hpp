@@ -86,6 +86,33 @@ SurfaceResult surface_network(const CurveNetwork& network, const SurfaceOptions&
 SurfaceResult surface_network(const CurveNetwork& network, const std::vector<NetworkCycle>& cycles,
                               const SurfaceOptions& options = {}, const Progress& progress = {});
 
+/// Which patches a move solves for.
+enum class SurfaceReach {
+  /// Those around curves that lie or look otherwise than when the surface was built; all others stay as they
+  /// were built. They meet as smoothly as any two patches, and a move costs as much as those patches do.
+  Touched,
+  /// All: what happens in a patch is felt in its neighbours too, a tenth as much with every curve between.
+  All,
+};
+
+struct SurfaceMoveOptions {
+  SurfaceReach reach = SurfaceReach::Touched;
+  /// For while a curve is dragged: curves carry the surface with them, but its normals, the fit to their
+  /// curvature and the counts of folded triangles wait for the next whole move. About a third of the time.
+  bool positions_only = false;
+};
+
+/// Vertices first … end − 1.
+struct VertexRange {
+  Eigen::Index first = 0, end = 0;
+};
+
+/// What a move has changed in the mesh, to the last bit: ranges increase and do not touch.
+struct SurfaceMove {
+  std::vector<VertexRange> positions, normals;
+  int patches_solved = 0;  ///< of those that keep a factor of their own; 1 where all share one
+};
+
 /// The same, kept for further solves: build once, then move the curves or turn their normals many times.
 class SurfaceSolver {
  public:
@@ -101,11 +128,13 @@ class SurfaceSolver {
 
   const SurfaceResult& result() const;
 
-  /// Solves again for moved vertices and turned normals of the same network: two back-substitutions, no
-  /// factorisation, the metric of the surface that was built.
+  /// Solves again for moved vertices and turned normals of the same network: back-substitutions in the metric
+  /// of the surface that was built, whose factors are made by the first move. The result depends on the
+  /// surface that was built and on this call alone (`positions_only`: normals aside), so moves do not add up
+  /// errors, and moving nothing gives the surface that was built.
   /// @param positions, normals n × 3 as in the network. @throws InvalidInput on other sizes or numbers that
-  /// are not finite; the result is then as before.
-  const SurfaceResult& move(const Points& positions, const Points& normals);
+  /// are not finite, SolverFailure; the result is then as before.
+  SurfaceMove move(const Points& positions, const Points& normals, const SurfaceMoveOptions& options = {});
 
  private:
   struct Implementation;
