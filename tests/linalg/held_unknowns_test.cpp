@@ -46,6 +46,7 @@ TEST(HeldUnknowns, NumbersBothKindsInTheirOrder) {
   EXPECT_EQ(split.held(), (std::vector<int>{1, 4}));
   EXPECT_EQ(split.free_index(), (std::vector<int>{0, -1, 1, 2, -1}));
   EXPECT_EQ(split.held_index(), (std::vector<int>{-1, 0, -1, -1, 1}));
+  EXPECT_EQ(HeldUnknowns::all_but({1, 0, 1, 1, 0}).free(), split.free());
 }
 
 TEST(HeldUnknowns, TakesTheBlocksOfAMatrixAndTheRowsOfAnArray) {

@@ -43,6 +43,12 @@ HeldUnknowns::HeldUnknowns(const std::vector<char>& held)
   }
 }
 
+HeldUnknowns HeldUnknowns::all_but(const std::vector<char>& free) {
+  std::vector<char> held(free.size());
+  for (std::size_t v = 0; v < free.size(); ++v) held[v] = !free[v];
+  return HeldUnknowns(held);
+}
+
 SparseMatrix HeldUnknowns::free_block(const SparseMatrix& A, bool lower_only) const {
   return part_of(A, free_index_, free_, n_free(), lower_only);
 }

@@ -15,6 +15,8 @@ class HeldUnknowns {
   HeldUnknowns() = default;
   /// @param held per unknown, not 0: held.
   explicit HeldUnknowns(const std::vector<char>& held);
+  /// The same from the other kind. @param free per unknown, not 0: solved for.
+  static HeldUnknowns all_but(const std::vector<char>& free);
 
   Eigen::Index size() const { return static_cast<Eigen::Index>(free_index_.size()); }
   Eigen::Index n_free() const { return static_cast<Eigen::Index>(free_.size()); }

@@ -2,7 +2,7 @@
 
 #include "batten/core/error.hpp"
 #include "batten/core/index.hpp"
-#include "batten/linalg/sparse_cholesky.hpp"
+#include "batten/linalg/held_unknowns.hpp"
 #include "batten/modelling/cage_fit_detail.hpp"
 #include "batten/subdivision/limit_stencils.hpp"
 
@@ -64,45 +64,32 @@ IterativeReport fit_limit(ControlCage& cage, const Points& target, const std::ve
                           const std::vector<char>& exact) {
   const SparseMatrix uneven = unevenness(cage, free, exact), rows = limit_stencils(cage) + uneven;
   const Points wanted = target + uneven * target;
-  const Index n = target.rows();
-  std::vector<int> index(static_cast<size_t>(n), -1);
-  int n_free = 0;
-  for (Index v = 0; v < n; ++v)
-    if (free[static_cast<size_t>(v)]) index[static_cast<size_t>(v)] = n_free++;
+  const HeldUnknowns unknowns = HeldUnknowns::all_but(free);
   IterativeReport report{.iterations = 0, .residual = 0, .converged = true};
-  if (n_free == 0) return report;
-  std::vector<Eigen::Triplet<double>> entries;
-  entries.reserve(static_cast<size_t>(rows.nonZeros()));
-  for (Index j = 0; j < rows.outerSize(); ++j)
-    for (SparseMatrix::InnerIterator entry(rows, j); entry; ++entry)
-      if (index[static_cast<size_t>(entry.row())] >= 0 && index[static_cast<size_t>(j)] >= 0)
-        entries.emplace_back(index[static_cast<size_t>(entry.row())], index[static_cast<size_t>(j)],
-                             entry.value());
-  Eigen::SparseMatrix<double, Eigen::RowMajor> A(n_free, n_free);
-  A.setFromTriplets(entries.begin(), entries.end());
+  if (unknowns.n_free() == 0) return report;
+  const Eigen::SparseMatrix<double, Eigen::RowMajor> A = unknowns.free_block(rows);
   Eigen::BiCGSTAB<Eigen::SparseMatrix<double, Eigen::RowMajor>> inverse(A);
   inverse.setTolerance(1e-8);  // of what is still lacking, which falls with every turn
   inverse.setMaxIterations(200);
   const double size = bounding_box_diagonal(target);
   Points& positions = cage.mesh.positions;
-  Eigen::MatrixXd right(n_free, 3);
+  Eigen::MatrixXd right;
   double worst = 0;
   const auto take_lack = [&] {
     const Points lack = wanted - rows * positions;
-    for (Index v = 0; v < n; ++v)
-      if (index[static_cast<size_t>(v)] >= 0) right.row(index[static_cast<size_t>(v)]) = lack.row(v);
+    right = unknowns.free_rows(lack);
     worst = right.rowwise().norm().maxCoeff();
   };
   take_lack();
+  Eigen::MatrixXd solved(unknowns.n_free(), 3);
   while (report.iterations < kMostRounds && !(worst < kAimedResidual * size)) {
     for (int c = 0; c < 3; ++c) {
       // Turns that are used up are no failure here: the next round goes on from what they have reached.
-      const Eigen::VectorXd solved = inverse.solve(right.col(c));
-      if (inverse.info() == Eigen::NumericalIssue || !solved.allFinite())
-        throw SolverFailure("cage of the limit surface", n_free);
-      for (Index v = 0; v < n; ++v)
-        if (index[static_cast<size_t>(v)] >= 0) positions(v, c) += solved(index[static_cast<size_t>(v)]);
+      solved.col(c) = inverse.solve(right.col(c));
+      if (inverse.info() == Eigen::NumericalIssue || !solved.col(c).allFinite())
+        throw SolverFailure("cage of the limit surface", unknowns.n_free());
     }
+    unknowns.add_to_free_rows(solved, positions);
     ++report.iterations;
     take_lack();
   }

@@ -30,21 +30,18 @@ Eigen::VectorXd bounded_mass(const Eigen::VectorXd& mass) {
 CurvatureFlow::CurvatureFlow(FlowMesh& mesh, const DiffusionOptions& options)
     : mesh_(mesh),
       options_(options),
+      unknowns_(mesh.fixed),
       diffusion_("diffusion of mean curvature"),
       refit_("refit to mean curvature"),
       time_step_(options.time_step) {
-  const Index n = mesh.positions.rows();
-  index_.assign(static_cast<size_t>(n), -1);
-  for (Index v = 0; v < n; ++v)
-    if (!mesh.fixed[static_cast<size_t>(v)]) index_[static_cast<size_t>(v)] = n_unknown_++;
-  moved_ = Eigen::VectorXd::Zero(n);
+  moved_ = Eigen::VectorXd::Zero(mesh.positions.rows());
 }
 
 Eigen::VectorXd CurvatureFlow::round() {
   Points& X = mesh_.positions;
   const Index n = X.rows();
   moved_.setZero();
-  if (n_unknown_ == 0) return moved_;
+  if (unknowns_.n_free() == 0) return moved_;
   const SparseMatrix K = cotangent_stiffness(X, mesh_.triangles);
   const Eigen::VectorXd M = bounded_mass(lumped_mass(X, mesh_.triangles));
   const Points N = vertex_normals(X, mesh_.triangles);
@@ -69,26 +66,20 @@ Eigen::VectorXd CurvatureFlow::round() {
   for (Index v = 0; v < n; ++v) lack.row(v) = 2 * d(v) * M(v) * (H(v) - measured(v)) * N.row(v);
   const Points right = K.transpose() * lack;
   const std::vector<int> none(static_cast<size_t>(n), -1);
-  SparseMatrix A = squared_stiffness(K, d, index_, none).lower;
-  Eigen::MatrixXd b(n_unknown_, 3);
+  SparseMatrix A = squared_stiffness(K, d, unknowns_.free_index(), none).lower;
+  Eigen::MatrixXd b = unknowns_.free_rows(right);
   const double anchor = kAnchor * A.diagonal().mean();
-  for (Index v = 0; v < n; ++v) {
-    const int u = index_[static_cast<size_t>(v)];
-    if (u < 0) continue;
+  for (Index u = 0; u < unknowns_.n_free(); ++u) {
+    const int v = unknowns_.free()[static_cast<size_t>(u)];
     const bool soft = mesh_.soft[static_cast<size_t>(v)];
-    b.row(u) = right.row(v);
     if (soft) b.row(u) += options_.fidelity * (mesh_.targets.row(v) - X.row(v));
     A.coeffRef(u, u) += anchor + (soft ? options_.fidelity : 0);
   }
   refit_.factorize(A);
-  const Eigen::MatrixXd solved = refit_.solve(b);
   Points step = Points::Zero(n, 3);
-  for (Index v = 0; v < n; ++v) {
-    const int u = index_[static_cast<size_t>(v)];
-    if (u < 0) continue;
-    step.row(v) = solved.row(u);
+  unknowns_.set_free_rows(refit_.solve(b), step);
+  for (const int v : unknowns_.free())
     if (!mesh_.soft[static_cast<size_t>(v)]) step.row(v) = step.row(v).dot(N.row(v)) * N.row(v).eval();
-  }
   move(step);
   return moved_;
 }

@@ -2,7 +2,7 @@
 #include <vector>
 
 #include "batten/core/arrays.hpp"
-#include "batten/linalg/sparse_cholesky.hpp"
+#include "batten/linalg/held_unknowns.hpp"
 #include "batten/operators/intrinsic.hpp"
 #include "batten/modelling/diffusion_surface.hpp"
 
@@ -69,8 +69,7 @@ class CurvatureFlow {
 
   FlowMesh& mesh_;
   const DiffusionOptions& options_;
-  std::vector<int> index_;  ///< per vertex its unknown, or −1
-  int n_unknown_ = 0;
+  HeldUnknowns unknowns_;
   SparseCholesky diffusion_, refit_;
   double time_step_;
   Eigen::VectorXd moved_;

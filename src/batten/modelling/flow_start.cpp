@@ -8,6 +8,7 @@
 
 #include "batten/core/index.hpp"
 #include "batten/core/units.hpp"
+#include "batten/linalg/held_unknowns.hpp"
 #include "batten/mesh/adjacency.hpp"
 #include "batten/operators/laplacian.hpp"
 #include "batten/modelling/curvature_flow_detail.hpp"
@@ -44,31 +45,19 @@ std::vector<char> fresh_vertices(const FlowMesh& mesh) {
 /// (K diag(d) K).
 class Filling {
  public:
-  Filling(FlowMesh& mesh, const std::vector<char>& fresh) : mesh_(mesh) {
-    index_.assign(fresh.size(), -1);
+  Filling(FlowMesh& mesh, const std::vector<char>& fresh)
+      : mesh_(mesh), unknowns_(HeldUnknowns::all_but(fresh)) {
     Eigen::RowVector3d middle = Eigen::RowVector3d::Zero();
-    for (size_t v = 0; v < fresh.size(); ++v)
-      if (fresh[v])
-        index_[v] = n_unknown_++;
-      else
-        middle += mesh.positions.row(static_cast<Index>(v));
-    middle /= static_cast<double>(std::max<Index>(static_cast<Index>(fresh.size()) - n_unknown_, 1));
-    for (size_t v = 0; v < fresh.size(); ++v)
-      if (fresh[v]) mesh.positions.row(static_cast<Index>(v)) = middle;
+    for (const int v : unknowns_.held()) middle += mesh.positions.row(v);
+    middle /= static_cast<double>(std::max<Index>(unknowns_.n_held(), 1));
+    for (const int v : unknowns_.free()) mesh.positions.row(v) = middle;
   }
 
-  bool is_empty() const { return n_unknown_ == 0; }
+  bool is_empty() const { return unknowns_.n_free() == 0; }
 
   void membrane(const EdgeLengths& lengths) {
     const SparseMatrix K = cotangent_stiffness(mesh_.triangles, lengths, mesh_.positions.rows());
-    std::vector<Eigen::Triplet<double>> entries;
-    for (Index j = 0; j < K.outerSize(); ++j)
-      for (SparseMatrix::InnerIterator entry(K, j); entry; ++entry)
-        if (index_[at(entry.row())] >= 0 && index_[at(j)] >= 0)
-          entries.emplace_back(index_[at(entry.row())], index_[at(j)], entry.value());
-    SparseMatrix A(n_unknown_, n_unknown_);
-    A.setFromTriplets(entries.begin(), entries.end());
-    solve(A, -(K * mesh_.positions), "membrane through the curves");
+    solve(unknowns_.free_block(K, true), -(K * mesh_.positions), "membrane through the curves");
   }
 
   void plate(const EdgeLengths& lengths) {
@@ -79,30 +68,21 @@ class Filling {
     for (Index v = 0; v < n; ++v)
       d(v) = mesh_.without_row[at(v)] || mesh_.sharpness[at(v)] > 0 ? 0 : 1 / M(v);
     const std::vector<int> none(at(n), -1);
-    solve(squared_stiffness(K, d, index_, none).lower,
+    solve(squared_stiffness(K, d, unknowns_.free_index(), none).lower,
           -(K.transpose() * (d.asDiagonal() * (K * mesh_.positions))), "thin plate through the curves");
   }
 
  private:
   void solve(SparseMatrix A, const Points& right, const char* name) {
-    Eigen::MatrixXd b(n_unknown_, 3);
     const double anchor = 1e-2 * kAnchor * A.diagonal().mean();
-    for (size_t v = 0; v < index_.size(); ++v) {
-      const int u = index_[v];
-      if (u < 0) continue;
-      b.row(u) = right.row(static_cast<Index>(v));
-      A.coeffRef(u, u) += anchor;
-    }
+    for (Index u = 0; u < A.rows(); ++u) A.coeffRef(u, u) += anchor;
     SparseCholesky solver(name);
     solver.factorize(A);
-    const Eigen::MatrixXd solved = solver.solve(b);
-    for (size_t v = 0; v < index_.size(); ++v)
-      if (index_[v] >= 0) mesh_.positions.row(static_cast<Index>(v)) += solved.row(index_[v]);
+    unknowns_.add_to_free_rows(solver.solve(unknowns_.free_rows(right)), mesh_.positions);
   }
 
   FlowMesh& mesh_;
-  std::vector<int> index_;  // per vertex its unknown, or −1
-  int n_unknown_ = 0;
+  HeldUnknowns unknowns_;
 };
 
 /// Places what is to begin on a plate.

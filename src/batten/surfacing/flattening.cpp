@@ -6,7 +6,7 @@
 #include <Eigen/Dense>
 
 #include "batten/core/text.hpp"
-#include "batten/linalg/sparse_cholesky.hpp"
+#include "batten/linalg/held_unknowns.hpp"
 #include "batten/mesh/normals.hpp"
 #include "batten/mesh/self_intersections.hpp"
 #include "batten/operators/laplacian.hpp"
@@ -63,43 +63,32 @@ class Flattener {
 
   /// The positions with the inner vertices of the marked patches on the membrane over their curves.
   Points membrane(const Points& X, const std::vector<char>& marked) const {
-    std::vector<int> unknown(at(n_), -1);
-    std::vector<Index> inner;
+    std::vector<char> inner(at(n_), 0);
     for (Index f = 0; f < triangles_.rows(); ++f)
       for (int k = 0; k < 3 && marked[static_cast<size_t>(patch_of(f))]; ++k) {
         const int v = triangles_(f, k);
-        if (surface_.on_network[at(v)] || unknown[at(v)] >= 0) continue;
-        unknown[at(v)] = static_cast<int>(inner.size());
-        inner.push_back(v);
+        if (!surface_.on_network[at(v)]) inner[at(v)] = 1;
       }
+    const HeldUnknowns unknowns = HeldUnknowns::all_but(inner);
     Points result = X;
-    if (inner.empty()) return result;
-    const auto n = static_cast<Index>(inner.size());
+    if (unknowns.n_free() == 0) return result;
+    HeldSolver solver("membrane of a patch", unknowns);
     for (int pass = 0; pass < kMembranePasses; ++pass) {
       const SparseMatrix K = cotangent_stiffness(result, triangles_);
       std::vector<Eigen::Triplet<double>> entries;
-      Eigen::MatrixXd right = Eigen::MatrixXd::Zero(n, 3);
-      for (Index u = 0; u < n; ++u) {
-        const Index v = inner[at(u)];
+      for (const int v : unknowns.free())
         for (SparseMatrix::InnerIterator entry(K, v); entry; ++entry) {
           if (entry.row() == v) continue;
           // Equal weights know no shape, so they fold nothing that is flat; those of obtuse triangles have
           // the wrong sign and are left small.
           const double weight = pass == 0 ? 1 : std::clamp(-entry.value(), 0.05, 20.0);
-          entries.emplace_back(u, u, weight);
-          const int other = unknown[at(entry.row())];
-          if (other >= 0)
-            entries.emplace_back(u, other, -weight);
-          else
-            right.row(u) += weight * X.row(entry.row());
+          entries.emplace_back(v, v, weight);
+          entries.emplace_back(v, static_cast<int>(entry.row()), -weight);
         }
-      }
-      SparseMatrix A(n, n);
+      SparseMatrix A(n_, n_);
       A.setFromTriplets(entries.begin(), entries.end());
-      SparseCholesky solver("membrane of a patch");
       solver.factorize(A);
-      const Eigen::MatrixXd solved = solver.solve(right);
-      for (Index u = 0; u < n; ++u) result.row(inner[at(u)]) = solved.row(u);
+      result = solver.solve_homogeneous(X);
     }
     return result;
   }
