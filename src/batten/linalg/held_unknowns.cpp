@@ -12,7 +12,7 @@ SparseMatrix part_of(const SparseMatrix& A, const std::vector<int>& row_index,
   SparseMatrix part(n_rows, static_cast<Eigen::Index>(columns.size()));
   const auto each = [&](std::size_t c, const auto& take) {
     for (SparseMatrix::InnerIterator entry(A, columns[c]); entry; ++entry) {
-      const int row = row_index[static_cast<std::size_t>(entry.row())];
+      const int row = row_index[at(entry.row())];
       if (row >= 0 && !(lower_only && row < static_cast<int>(c))) take(row, entry.value());
     }
   };

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 
+#include "batten/core/index.hpp"
 #include "batten/linalg/sparse_cholesky.hpp"
 
 namespace batten {
@@ -40,14 +41,12 @@ class HeldUnknowns {
   /// Writes `free_values` (n_free() × k) into the free rows of X (n × k); held rows stay.
   template <typename Derived>
   void set_free_rows(const Eigen::MatrixXd& free_values, Eigen::MatrixBase<Derived>& X) const {
-    for (Eigen::Index i = 0; i < n_free(); ++i)
-      X.row(free_[static_cast<std::size_t>(i)]) = free_values.row(i);
+    for (Eigen::Index i = 0; i < n_free(); ++i) X.row(free_[at(i)]) = free_values.row(i);
   }
   /// Adds them instead.
   template <typename Derived>
   void add_to_free_rows(const Eigen::MatrixXd& free_values, Eigen::MatrixBase<Derived>& X) const {
-    for (Eigen::Index i = 0; i < n_free(); ++i)
-      X.row(free_[static_cast<std::size_t>(i)]) += free_values.row(i);
+    for (Eigen::Index i = 0; i < n_free(); ++i) X.row(free_[at(i)]) += free_values.row(i);
   }
 
   /// Rows and columns of the free unknowns of A (n × n); its lower triangle where that is all that is needed.

@@ -7,6 +7,7 @@
 #include <Eigen/Dense>
 
 #include "batten/core/error.hpp"
+#include "batten/core/index.hpp"
 #include "batten/core/units.hpp"
 #include "batten/operators/curvature.hpp"
 #include "batten/surfacing/fairing_detail.hpp"
@@ -98,7 +99,7 @@ void FairingSystems::prepare(int order) {
   }
   if (soft_weights_.size() > 0)
     for (Eigen::Index i = 0; i < unknowns_.n_free(); ++i)
-      lower.coeffRef(i, i) += soft_weights_[unknowns_.free()[static_cast<std::size_t>(i)]];
+      lower.coeffRef(i, i) += soft_weights_[unknowns_.free()[at(i)]];
   systems_[order - 1]->factorize(lower, std::move(coupling));
   ready_[order - 1] = true;
 }
@@ -143,11 +144,11 @@ void normalize_propagated(Points& normals, const SparseMatrix& adjacency, const 
   if (vanished.empty()) return;
   const Points sound = normals;
   std::vector<char> is_vanished(static_cast<std::size_t>(normals.rows()), 0);
-  for (const int v : vanished) is_vanished[static_cast<std::size_t>(v)] = 1;
+  for (const int v : vanished) is_vanished[at(v)] = 1;
   for (const int v : vanished) {
     std::vector<char> seen(is_vanished.size(), 0);
     std::vector<int> ring = {v}, next;
-    seen[static_cast<std::size_t>(v)] = 1;
+    seen[at(v)] = 1;
     Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
     while (sum.norm() < 1e-6 && !ring.empty()) {
       next.clear();

@@ -81,12 +81,11 @@ void PatchSystems::factorize(const SparseMatrix& stiffness, const Eigen::VectorX
       place[at(patch.vertices[i])] = static_cast<int>(i);
   parallel_for(n_patches(), 1, [&](Index begin, Index end) {
     for (Index p = begin; p < end; ++p) {
-      Patch& patch = patches_[static_cast<std::size_t>(p)];
+      Patch& patch = patches_[at(p)];
       const auto n = static_cast<Index>(patch.vertices.size());
       std::vector<Eigen::Triplet<double>> inner, outer;
       for (Index i = 0; i < n; ++i)
-        for (SparseMatrix::InnerIterator entry(stiffness, patch.vertices[static_cast<std::size_t>(i)]); entry;
-             ++entry) {
+        for (SparseMatrix::InnerIterator entry(stiffness, patch.vertices[at(i)]); entry; ++entry) {
           const auto v = static_cast<int>(entry.row());
           if (unknowns_.held_index()[at(v)] >= 0) {
             const auto r = std::lower_bound(patch.rim.begin(), patch.rim.end(), v) - patch.rim.begin();
@@ -101,7 +100,7 @@ void PatchSystems::factorize(const SparseMatrix& stiffness, const Eigen::VectorX
       patch.to_rim.resize(n, static_cast<Index>(patch.rim.size()));
       patch.to_rim.setFromTriplets(outer.begin(), outer.end());
       patch.mass.resize(n);
-      for (Index i = 0; i < n; ++i) patch.mass[i] = mass[patch.vertices[static_cast<std::size_t>(i)]];
+      for (Index i = 0; i < n; ++i) patch.mass[i] = mass[patch.vertices[at(i)]];
       patch.rim_mass.resize(0, 0);
     }
   });
@@ -130,7 +129,7 @@ void PatchSystems::prepare(Coupling& coupling) {
   if (coupling.ready) return;
   parallel_for(static_cast<Index>(coupling.patches.size()), 1, [&](Index begin, Index end) {
     for (Index i = begin; i < end; ++i) {
-      Patch& patch = patches_[at(coupling.patches[static_cast<std::size_t>(i)])];
+      Patch& patch = patches_[at(coupling.patches[at(i)])];
       if (patch.rim_mass.rows() != static_cast<Index>(patch.rim.size())) fill_rim_mass(patch);
     }
   });
@@ -183,9 +182,9 @@ void PatchSystems::solve(const Coupling& coupling, const MatrixXd* target, Matri
   });
   MatrixXd q = MatrixXd::Zero(static_cast<Index>(coupling.vertex_of_row.size()), columns);
   for (Index row = 0; row < q.rows(); ++row) {
-    const int v = coupling.vertex_of_row[static_cast<std::size_t>(row)];
+    const int v = coupling.vertex_of_row[at(row)];
     for (SparseMatrix::InnerIterator entry(held_stiffness_, unknowns_.held_index()[at(v)]); entry; ++entry)
-      q.row(row) += entry.value() * X.row(unknowns_.held()[static_cast<std::size_t>(entry.row())]);
+      q.row(row) += entry.value() * X.row(unknowns_.held()[at(entry.row())]);
     if (target != nullptr) q.row(row) -= target->row(v);
   }
   for (std::size_t slot = 0; slot < at_rim.size(); ++slot) {
@@ -213,7 +212,7 @@ MatrixXd PatchSystems::harmonic(const MatrixXd& right, const MatrixXd& values) c
   MatrixXd X = values;
   parallel_for(n_patches(), 1, [&](Index begin, Index end) {
     for (Index p = begin; p < end; ++p) {
-      const Patch& patch = patches_[static_cast<std::size_t>(p)];
+      const Patch& patch = patches_[at(p)];
       set_rows(patch.factor.solve(rows_of(right, patch.vertices) - patch.to_rim * rows_of(X, patch.rim)),
                patch.vertices, X);
     }

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 
+#include "batten/core/index.hpp"
 #include "batten/linalg/held_unknowns.hpp"
 #include "batten/linalg/sparse_cholesky.hpp"
 
@@ -75,7 +76,6 @@ class PatchSystems {
     bool ready = false;
   };
 
-  static std::size_t at(int i) { return static_cast<std::size_t>(i); }
   void find_patches(const SparseMatrix& stiffness);
   void fill_rim_mass(Patch& patch) const;
   void prepare(Coupling& coupling);

@@ -7,6 +7,7 @@
 #include <Eigen/Dense>
 
 #include "batten/core/error.hpp"
+#include "batten/core/index.hpp"
 #include "batten/core/text.hpp"
 #include "batten/operators/curvature.hpp"
 #include "batten/surfacing/fairing_detail.hpp"
@@ -158,21 +159,20 @@ struct SurfaceSolver::Implementation {
       for (Index f = 0; f < patch.triangles.rows(); ++f, ++row) {
         for (int k = 0; k < 3; ++k) {
           const int v = patch.triangles(f, k);
-          triangles(row, k) =
-              v < n_network ? patch.network_vertices[static_cast<std::size_t>(v)] : next + v - n_network;
+          triangles(row, k) = v < n_network ? patch.network_vertices[at(v)] : next + v - n_network;
         }
         layout_lengths.row(row) = patch.lengths.row(f);
-        result.patch_of_triangle[static_cast<std::size_t>(row)] = static_cast<int>(p);
+        result.patch_of_triangle[at(row)] = static_cast<int>(p);
       }
       next += patch.n_inner;
     }
     border = border_vertices(triangles, n);
     result.on_network.assign(static_cast<std::size_t>(n), 0);
     for (const NetworkCurve& curve : network.curves)
-      for (const int v : curve.vertices) result.on_network[static_cast<std::size_t>(v)] = 1;
+      for (const int v : curve.vertices) result.on_network[at(v)] = 1;
     // Vertices of the network that no curve uses keep their place; they are in no triangle and in no system.
     std::vector<char> fixed = result.on_network;
-    for (Index v = 0; v < network.positions.rows(); ++v) fixed[static_cast<std::size_t>(v)] = 1;
+    for (Index v = 0; v < network.positions.rows(); ++v) fixed[at(v)] = 1;
     systems = std::make_unique<FairingSystems>(fixed, border, soft_weights(n));
     positions = Points::Zero(n, 3);
     normals = Points::Zero(n, 3);
@@ -322,7 +322,7 @@ struct SurfaceSolver::Implementation {
       const RowVector3d a = positions.row(triangles(f, 0)), b = positions.row(triangles(f, 1)),
                         c = positions.row(triangles(f, 2));
       const double size = (b - a).cross(c - a).norm();
-      const auto p = static_cast<std::size_t>(result.patch_of_triangle[static_cast<std::size_t>(f)]);
+      const auto p = static_cast<std::size_t>(result.patch_of_triangle[at(f)]);
       area[p] += size;
       if (detail::is_folded(positions, normals, triangles, f)) folded_area[p] += size;
     }

@@ -5,6 +5,7 @@
 
 #include <Eigen/Dense>
 
+#include "batten/core/index.hpp"
 #include "batten/surfacing/surface_move_detail.hpp"
 
 namespace batten::detail {
@@ -13,10 +14,6 @@ namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
-
-std::size_t at(Index i) {
-  return static_cast<std::size_t>(i);
-}
 
 std::vector<int> united(const std::vector<int>& a, const std::vector<int>& b) {
   std::vector<int> both;
