@@ -36,8 +36,27 @@ function(batten_room)
       endif()
     endforeach()
   endforeach()
+  batten_check_details(${CMAKE_CURRENT_SOURCE_DIR} ${ROOM_NAME})
 
   set_property(GLOBAL APPEND PROPERTY BATTEN_ROOMS ${ROOM_NAME})
+endfunction()
+
+# Headers *_detail.hpp are private to their room. Configuring fails where a file below a folder includes one of a room
+# that is not named here: a room names itself, its tests name it, and programs name none.
+#
+#   batten_check_details(<folder> [<room>...])
+function(batten_check_details folder)
+  file(GLOB_RECURSE files CONFIGURE_DEPENDS ${folder}/*.hpp ${folder}/*.cpp)
+  foreach(file IN LISTS files)
+    file(STRINGS ${file} lines REGEX "^ *# *include +[\"<]batten/[a-z_/]+_detail.hpp")
+    foreach(line IN LISTS lines)
+      string(REGEX REPLACE ".*batten/([a-z_]+)/.*" "\\1" room "${line}")
+      if(NOT room IN_LIST ARGN)
+        message(FATAL_ERROR "${file} includes a header that is private to the room '${room}':\n  ${line}\n"
+                            "Use a public header of the room; what is missing there belongs into one.")
+      endif()
+    endforeach()
+  endforeach()
 endfunction()
 
 # Warnings and sanitizers of our own code; not passed on to those who use the installed package.
