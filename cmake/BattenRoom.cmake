@@ -69,9 +69,12 @@ if(BATTEN_SANITIZE)
   add_link_options(-fsanitize=address,undefined)
 endif()
 
-# Code around the library that is compiled more often than it runs: under sanitizers -Og compiles a third faster.
-function(batten_quick_debug target)
+# Code around the library, which is compiled more often than it runs and leaves the numbers to the rooms: half the time
+# to compile at -O1; under sanitizers -Og takes a third less.
+function(batten_compile_quickly target)
   if(BATTEN_SANITIZE)
     target_compile_options(${target} PRIVATE -Og)
+  else()
+    target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
   endif()
 endfunction()

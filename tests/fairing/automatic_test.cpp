@@ -179,7 +179,7 @@ TEST(FairAutomatically, LeavesMeshesAsTheyComeAlone) {
     const TriangleMesh mesh = read_mesh(path);
     EXPECT_EQ(fair_automatically(mesh.positions, mesh.triangles), mesh.positions) << file;
   }
-  if (found == 0) GTEST_SKIP() << "the meshes are missing";
+  if (found == 0) GTEST_SKIP() << BATTEN_SHARED_DATA "/meshes has none of the meshes";
 }
 
 // Most vertices lie on edges, which the first estimate takes for noise; what the fit removes denies it.
