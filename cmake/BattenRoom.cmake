@@ -1,11 +1,12 @@
 # A room of the library: one folder of src/batten, one static library batten_<room> (alias batten::<room>).
 #
-#   batten_room(NAME mesh PURPOSE "..." USES core linalg SOURCES a.cpp b.cpp [PRIVATE targets...])
+#   batten_room(NAME mesh PURPOSE "..." USES core linalg SOURCES a.cpp b.cpp [PRIVATE targets...] [LIGHT])
 #
+# LIGHT says that the room leaves the numbers to others: it is compiled quickly.
 # USES lists the rooms whose headers may be included. The includes of every file in the folder are held
 # against it here, at configure time, so that the order of the rooms (README, "The house") cannot decay.
 function(batten_room)
-  cmake_parse_arguments(ROOM "" "NAME;PURPOSE" "USES;SOURCES;PRIVATE;DEFINITIONS" ${ARGN})
+  cmake_parse_arguments(ROOM "LIGHT" "NAME;PURPOSE" "USES;SOURCES;PRIVATE;DEFINITIONS" ${ARGN})
   set(target batten_${ROOM_NAME})
   add_library(${target} STATIC ${ROOM_SOURCES})
   add_library(batten::${ROOM_NAME} ALIAS ${target})
@@ -14,7 +15,12 @@ function(batten_room)
                                               $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   target_compile_features(${target} PUBLIC cxx_std_20)
   target_link_libraries(${target} PUBLIC Eigen3::Eigen PRIVATE $<BUILD_INTERFACE:batten_warnings>)
-  batten_precompile(${target} GROUP rooms HEADERS ${BATTEN_COMMON_HEADERS})
+  if(ROOM_LIGHT)
+    batten_compile_quickly(${target})
+    batten_precompile(${target} GROUP light_rooms HEADERS ${BATTEN_COMMON_HEADERS})
+  else()
+    batten_precompile(${target} GROUP rooms HEADERS ${BATTEN_COMMON_HEADERS})
+  endif()
   foreach(used IN LISTS ROOM_USES)
     target_link_libraries(${target} PUBLIC batten_${used})
   endforeach()
