@@ -4,8 +4,10 @@
 
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <iostream>
 #include <memory>
 #include <new>
@@ -13,6 +15,8 @@
 #include <unistd.h>
 
 #include "batten/core/error.hpp"
+#include "batten/core/parallel.hpp"
+#include "batten/core/text.hpp"
 
 namespace batten::cli {
 
@@ -27,9 +31,32 @@ struct Chosen {
   CLI::App* command = nullptr;
   Work work;
   bool json = false;
-  std::string report;  ///< path of the HTML report, or empty
+  std::string report;           ///< path of the HTML report, or empty
+  std::string threads = "all";  ///< as given, or "all"
 };
 Chosen chosen;
+
+/// The number of threads; 0 for "all". @param where the option or variable to name in the error.
+/// @throws InvalidInput on anything else.
+int parse_threads(const std::string& text, std::string_view where) {
+  constexpr int kMost = 1024;  // more than any processor has today; a larger number is a slip
+  double value = 0;
+  if (text == "all") return 0;
+  if (!parse_number(text, value) || !(value >= 1 && value <= kMost) || value != std::floor(value))
+    throw InvalidInput(
+        concat(where, " must be all or a whole number from 1 to ", kMost, ", got '", text, "'"));
+  return static_cast<int>(value);
+}
+
+/// --threads, else BATTEN_THREADS, else all. @throws InvalidInput when the variable holds no number of
+/// threads.
+void choose_threads() {
+  const char* variable = std::getenv("BATTEN_THREADS");
+  if (chosen.command->get_option("--threads")->count() == 0 && variable != nullptr && *variable != '\0')
+    set_thread_count(parse_threads(variable, "BATTEN_THREADS"));
+  else
+    set_thread_count(parse_threads(chosen.threads, "--threads"));
+}
 
 Progress terminal_progress() {
   const bool visible = isatty(STDERR_FILENO) != 0;
@@ -71,6 +98,7 @@ Json option_values(const CLI::App& command) {
     const std::string name = option->get_single_name();
     if (name != "help" && name != "json") values[name] = option_value(*option);
   }
+  values["threads"] = thread_count();  // in use, wherever the number comes from
   return values;
 }
 
@@ -114,6 +142,10 @@ int run_chosen() {
     return fail(kBadUsage, error.what());
   } catch (const InvalidInput& error) {
     return fail(kBadInput, error.what());
+  } catch (const Cancelled& error) {
+    fail(kWorkFailed, error.what());
+    std::fflush(nullptr);
+    std::_Exit(kWorkFailed);  // at once: a factorisation that cannot be interrupted may still be going on
   } catch (const Error& error) {
     return fail(kWorkFailed, error.what());
   } catch (const std::bad_alloc&) {
@@ -133,6 +165,10 @@ CLI::App* add_command(CLI::App& app, const std::string& name, const std::string&
   command->add_option("--report", chosen.report,
                       "Write an HTML report with pictures, figures, stage times and options");
   command->option_defaults()->always_capture_default();
+  command
+      ->add_option("--threads", chosen.threads,
+                   "Most threads to work on; else BATTEN_THREADS, else all processors that may be used")
+      ->check(parses("N", [](const std::string& text) { parse_threads(text, "--threads"); }));
   command->callback([command, work = std::move(work)] {
     chosen.command = command;
     chosen.work = work;
@@ -181,6 +217,11 @@ int run(int argc, char** argv) {
     app.exit(error);
     return kBadUsage;
   } catch (const InvalidInput& error) {  // a length or an angle that does not parse
+    return fail(kBadUsage, error.what());
+  }
+  try {
+    choose_threads();
+  } catch (const InvalidInput& error) {
     return fail(kBadUsage, error.what());
   }
   return run_chosen();

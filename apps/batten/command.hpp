@@ -45,7 +45,7 @@ struct Context {
 using Work = std::function<Outcome(Context&)>;
 
 /// Adds a subcommand. `options` are listed by CLI11 as usual; the values of all of them, given or default,
-/// are repeated in the "options" of the JSON object. `--json` and `--report` are added here.
+/// are repeated in the "options" of the JSON object. `--json`, `--report` and `--threads` are added here.
 /// @param example one line, shown at the end of --help.
 CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& description,
                       const std::string& example, Work work);

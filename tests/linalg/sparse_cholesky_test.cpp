@@ -1,5 +1,8 @@
 #include "batten/linalg/sparse_cholesky.hpp"
 
+#include <thread>
+
+#include <dlfcn.h>
 #include <gtest/gtest.h>
 
 #include "batten/core/error.hpp"
@@ -111,6 +114,84 @@ TEST(SparseCholesky, RefusesSingularIndefiniteAndNotFinite) {
         },
         SolverFailure);
     EXPECT_THROW(SparseCholesky("never factorised", backend).solve(Eigen::VectorXd::Ones(3)), SolverFailure);
+  }
+}
+
+/// A function of whatever library is loaded, or null.
+template <typename Function>
+Function loaded(const char* name) {
+  return reinterpret_cast<Function>(dlsym(RTLD_DEFAULT, name));
+}
+
+// What the calling program has set for itself is its own affair.
+TEST(SparseCholesky, PutsTheSettingsOfBlasAndOpenMpBack) {
+  if (!SparseCholesky::has_cholmod()) GTEST_SKIP() << "built without CHOLMOD";
+  const auto blas_threads = loaded<int (*)()>("openblas_get_num_threads");
+  const auto set_blas_threads = loaded<void (*)(int)>("openblas_set_num_threads");
+  const auto levels = loaded<int (*)()>("omp_get_max_active_levels");
+  const auto set_levels = loaded<void (*)(int)>("omp_set_max_active_levels");
+  if (blas_threads == nullptr && levels == nullptr) GTEST_SKIP() << "neither OpenBLAS nor OpenMP is loaded";
+  const int blas_before = blas_threads != nullptr ? blas_threads() : 0,
+            levels_before = levels != nullptr ? levels() : 0;
+  if (set_blas_threads != nullptr) set_blas_threads(3);
+  if (set_levels != nullptr) set_levels(5);
+
+  const SparseMatrix A = grid_laplacian(20, 0);
+  SparseCholesky solver("grid", CholeskyBackend::Cholmod);
+  solver.factorize(A);
+  const auto expect_unchanged = [&] {
+    if (blas_threads != nullptr) {
+      EXPECT_EQ(blas_threads(), 3);
+    }
+    if (levels != nullptr) {
+      EXPECT_EQ(levels(), 5);
+    }
+  };
+  expect_unchanged();
+  solver.solve(Eigen::VectorXd::Ones(400));
+  expect_unchanged();
+  EXPECT_THROW(solver.factorize(grid_laplacian(4, -5)), SolverFailure);
+  expect_unchanged();
+  // Two at a time: the last to leave puts back what the first found.
+  std::thread other([] {
+    SparseCholesky second("grid", CholeskyBackend::Cholmod);
+    for (int i = 0; i < 50; ++i) second.factorize(grid_laplacian(20, i));
+  });
+  for (int i = 0; i < 50; ++i) solver.factorize(grid_laplacian(20, i));
+  other.join();
+  expect_unchanged();
+  if (set_blas_threads != nullptr) set_blas_threads(blas_before);
+  if (set_levels != nullptr) set_levels(levels_before);
+}
+
+TEST(SparseCholesky, GivesTheSameWhetherOrNotSomebodyListens) {
+  if (!SparseCholesky::has_cholmod()) GTEST_SKIP() << "built without CHOLMOD";
+  const SparseMatrix A = grid_laplacian(130, 0);
+  ASSERT_GE(A.rows(), SparseCholesky::kCholmodFrom);
+  SparseCholesky alone("grid"), heard("grid");
+  alone.factorize(A);
+  heard.factorize(A, Progress([](std::string_view, double) { return true; }));
+  const Eigen::VectorXd b = Eigen::VectorXd::LinSpaced(A.rows(), -1, 1);
+  EXPECT_EQ(alone.solve(b), heard.solve(b));
+}
+
+// CHOLMOD cannot be interrupted; what it still works on after a cancellation must not be touched, and the
+// solver can be used again at once. (The first report comes after 50 ms: the system is large enough for
+// that.)
+TEST(SparseCholesky, CanBeCancelledAndUsedAgain) {
+  if (!SparseCholesky::has_cholmod()) GTEST_SKIP() << "built without CHOLMOD";
+  SparseCholesky solver("grid");
+  for (int run = 0; run < 3; ++run) {
+    {
+      const SparseMatrix large = grid_laplacian(300, 0.1 * run);
+      const Progress stop([](std::string_view, double) { return false; });
+      EXPECT_THROW(solver.factorize(large, stop), Cancelled);
+      EXPECT_THROW(solver.solve(Eigen::VectorXd::Ones(large.rows())), SolverFailure);
+    }
+    const SparseMatrix A = grid_laplacian(130, 1);
+    solver.factorize(A, Progress([](std::string_view, double) { return true; }));
+    const Eigen::VectorXd x = Eigen::VectorXd::LinSpaced(A.rows(), -1, 1);
+    EXPECT_LT((solver.solve(A * x) - x).norm(), 1e-9);
   }
 }
 

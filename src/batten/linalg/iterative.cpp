@@ -7,6 +7,7 @@
 #include <unsupported/Eigen/IterativeSolvers>
 
 #include "batten/core/error.hpp"
+#include "batten/core/parallel.hpp"
 
 namespace batten {
 
@@ -39,10 +40,101 @@ IterativeReport solve_columns(Solver& solver, const SparseMatrix& A, const Eigen
   return report;
 }
 
+/// Entries per chunk of vectors: some 20 µs of work.
+constexpr Eigen::Index kGrain = 8192;
+
+double dot(const Eigen::VectorXd& x, const Eigen::VectorXd& y) {
+  return parallel_sum(x.size(), kGrain, [&](Eigen::Index begin, Eigen::Index end) {
+    return x.segment(begin, end - begin).dot(y.segment(begin, end - begin));
+  });
+}
+
+/// Conjugate gradients with a diagonal preconditioner, column by column.
+IterativeReport solve_with_diagonal(const SparseMatrix& A, const Eigen::MatrixXd& B, Eigen::MatrixXd& X,
+                                    std::string_view system, const IterativeOptions& options,
+                                    const Progress& progress) {
+  if (X.rows() != A.cols() || X.cols() != B.cols()) X = Eigen::MatrixXd::Zero(A.cols(), B.cols());
+  const LinearOperator product = [&](const Eigen::VectorXd& x, Eigen::VectorXd& y) {
+    parallel_for(A.cols(), kGrain / 8, [&](Eigen::Index begin, Eigen::Index end) {
+      for (Eigen::Index i = begin; i < end; ++i) {  // column i is row i
+        double sum = 0;
+        for (SparseMatrix::InnerIterator entry(A, i); entry; ++entry) sum += entry.value() * x[entry.row()];
+        y[i] = sum;
+      }
+    });
+  };
+  const Eigen::VectorXd diagonal = A.diagonal();
+  IterativeReport worst;
+  worst.converged = true;
+  for (Eigen::Index c = 0; c < B.cols(); ++c) {
+    Eigen::VectorXd x = X.col(c);
+    const IterativeReport report =
+        solve_conjugate_gradients(product, diagonal, B.col(c), x, system, options, progress);
+    X.col(c) = x;
+    worst.iterations = std::max(worst.iterations, report.iterations);
+    worst.residual = std::max(worst.residual, report.residual);
+    worst.converged = worst.converged && report.converged;
+  }
+  return worst;
+}
+
 }  // namespace
 
+IterativeReport solve_conjugate_gradients(const LinearOperator& A, const Eigen::VectorXd& diagonal,
+                                          const Eigen::VectorXd& b, Eigen::VectorXd& x,
+                                          std::string_view system, const IterativeOptions& options,
+                                          const Progress& progress) {
+  const Eigen::Index n = b.size();
+  if (diagonal.size() != n || !((diagonal.array() > 0).all())) throw SolverFailure(system, n);
+  if (x.size() != n) x = Eigen::VectorXd::Zero(n);
+  const double size = b.dot(b.cwiseQuotient(diagonal));
+  IterativeReport report;
+  if (!(size > 0)) {
+    if (size != 0) throw SolverFailure(system, n);
+    x.setZero();
+    report.converged = true;
+    return report;
+  }
+  Eigen::VectorXd image(n), residual(n), search(n);
+  A(x, image);
+  residual = b - image;
+  search = residual.cwiseQuotient(diagonal);
+  double energy = dot(residual, search);
+  const double enough = options.tolerance * options.tolerance * size;
+  const int limit = iteration_limit(options, n);
+  while (report.iterations < limit && energy > enough) {
+    progress.report(system, static_cast<double>(report.iterations) / limit);
+    A(search, image);
+    const double step = energy / dot(search, image);
+    // The next residual, and its energy, in one pass.
+    const double next = parallel_sum(n, kGrain, [&](Eigen::Index begin, Eigen::Index end) {
+      double sum = 0;
+      for (Eigen::Index i = begin; i < end; ++i) {
+        x[i] += step * search[i];
+        residual[i] -= step * image[i];
+        sum += residual[i] * residual[i] / diagonal[i];
+      }
+      return sum;
+    });
+    const double turn = next / energy;
+    parallel_for(n, kGrain, [&](Eigen::Index begin, Eigen::Index end) {
+      for (Eigen::Index i = begin; i < end; ++i) search[i] = residual[i] / diagonal[i] + turn * search[i];
+    });
+    energy = next;
+    ++report.iterations;
+  }
+  if (!std::isfinite(energy)) throw SolverFailure(system, n);
+  report.residual = std::sqrt(energy / size);
+  report.converged = energy <= enough;
+  return report;
+}
+
 IterativeReport solve_conjugate_gradients(const SparseMatrix& A, const Eigen::MatrixXd& B, Eigen::MatrixXd& X,
-                                          std::string_view system, const IterativeOptions& options) {
+                                          std::string_view system, const IterativeOptions& options,
+                                          const Progress& progress) {
+  if (options.preconditioner == Preconditioner::Diagonal)
+    return solve_with_diagonal(A, B, X, system, options, progress);
+  progress.report(system, 0);
   Eigen::ConjugateGradient<SparseMatrix, Eigen::Lower | Eigen::Upper, Eigen::IncompleteCholesky<double>>
       solver;
   return solve_columns(solver, A, B, X, system, options);

@@ -1,11 +1,21 @@
 #pragma once
+#include <functional>
 #include <string_view>
 
 #include <Eigen/Core>
 
+#include "batten/core/progress.hpp"
 #include "batten/linalg/sparse_cholesky.hpp"
 
 namespace batten {
+
+/// What conjugate gradients divide the residual by.
+enum class Preconditioner {
+  /// The least iterations; costs as much as some ten of them at first, and works on one thread.
+  IncompleteCholesky,
+  /// For matrices near their diagonal, or with a good start; works on all threads and can be cancelled.
+  Diagonal,
+};
 
 /// Options shared by the iterative solvers.
 struct IterativeOptions {
@@ -13,6 +23,7 @@ struct IterativeOptions {
   double tolerance = 1e-6;
   /// Most iterations; 0 takes twice the number of unknowns.
   int max_iterations = 0;
+  Preconditioner preconditioner = Preconditioner::IncompleteCholesky;  ///< of conjugate gradients
 };
 
 /// What an iterative solve reached.
@@ -22,11 +33,23 @@ struct IterativeReport {
   bool converged = false;  ///< false: the solution is the best found, its residual above the tolerance
 };
 
-/// Conjugate gradients with incomplete Cholesky for symmetric positive definite A (n × n).
+/// Conjugate gradients for symmetric positive definite A (n × n, both halves stored).
 /// @param X the start on entry (n × k), the solution on return.
-/// @throws SolverFailure when the iteration leaves the finite numbers; `system` says what A stands for.
+/// @throws SolverFailure when the iteration leaves the finite numbers; `system` says what A stands for;
+/// Cancelled.
 IterativeReport solve_conjugate_gradients(const SparseMatrix& A, const Eigen::MatrixXd& B, Eigen::MatrixXd& X,
-                                          std::string_view system, const IterativeOptions& options = {});
+                                          std::string_view system, const IterativeOptions& options = {},
+                                          const Progress& progress = {});
+/// Writes A x (n) into y (n).
+using LinearOperator = std::function<void(const Eigen::VectorXd& x, Eigen::VectorXd& y)>;
+/// The same for a matrix that is not stored, with its diagonal (n, above 0; or any other, as ones) as
+/// preconditioner. Residuals are measured in the norm of the preconditioner, √(rᵀ D⁻¹ r), here. Sums are
+/// added up in chunks that do not depend on the number of threads.
+/// @param x the start on entry (n), the solution on return.
+IterativeReport solve_conjugate_gradients(const LinearOperator& A, const Eigen::VectorXd& diagonal,
+                                          const Eigen::VectorXd& b, Eigen::VectorXd& x,
+                                          std::string_view system, const IterativeOptions& options = {},
+                                          const Progress& progress = {});
 /// Restarted GMRES(50) with incomplete LU, for square A that is not symmetric.
 IterativeReport solve_gmres(const SparseMatrix& A, const Eigen::MatrixXd& B, Eigen::MatrixXd& X,
                             std::string_view system, const IterativeOptions& options = {});

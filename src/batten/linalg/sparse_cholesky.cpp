@@ -11,9 +11,9 @@
 
 #ifdef BATTEN_HAS_CHOLMOD
 #include <cholmod.h>
-#include <dlfcn.h>
-// Present when the BLAS in use is OpenBLAS. Its sums depend on the number of threads, and ours must not.
-extern "C" void openblas_set_num_threads(int n) __attribute__((weak));
+
+#include "batten/linalg/background_detail.hpp"
+#include "batten/linalg/serial_blas_detail.hpp"
 #endif
 
 namespace batten {
@@ -116,8 +116,6 @@ class EigenFactor : public Factor {
 class CholmodFactor : public Factor {
  public:
   CholmodFactor() {
-    if (openblas_set_num_threads != nullptr) openblas_set_num_threads(1);
-    run_serially();
     cholmod_start(&common_);
     common_.print = 0;
     common_.nmethods = 1;  // the ordering is chosen in analyze()
@@ -131,18 +129,8 @@ class CholmodFactor : public Factor {
   CholmodFactor(const CholmodFactor&) = delete;
   CholmodFactor& operator=(const CholmodFactor&) = delete;
 
-  /// CHOLMOD's supernodal code asks OpenMP for four threads, however many processors there are, and lets them
-  /// meet several times per supernode. On two busy processors that took 81 s instead of 4.6 s for a surface
-  /// of 100,000 vertices. Without active levels its parallel regions run on the calling thread. (The symbol
-  /// is looked up because only CHOLMOD itself is linked with OpenMP.)
-  static void run_serially() {
-    using SetLevels = void (*)(int);
-    static const auto set_levels =
-        reinterpret_cast<SetLevels>(dlsym(RTLD_DEFAULT, "omp_set_max_active_levels"));
-    if (set_levels != nullptr) set_levels(0);
-  }
-
   bool factorize(const SparseMatrix& A, bool same_pattern) override {
+    const linalg_detail::SerialBlas serial;
     cholmod_sparse view = sparse_view(A);
     if (!same_pattern || factor_ == nullptr) {
       cholmod_free_factor(&factor_, &common_);
@@ -154,6 +142,7 @@ class CholmodFactor : public Factor {
   }
 
   bool solve(const Eigen::MatrixXd& B, Eigen::MatrixXd& X) const override {
+    const linalg_detail::SerialBlas serial;
     cholmod_dense right{};
     right.nrow = B.rows();
     right.ncol = B.cols();
@@ -211,13 +200,28 @@ class CholmodFactor : public Factor {
 };
 #endif
 
+/// Factorises here, or on another thread while this one reports (see SparseCholesky::factorize()).
+bool run_factorization(const std::shared_ptr<Factor>& factor, const SparseMatrix& A, bool same_pattern,
+                       CholeskyBackend backend, const Progress& progress) {
+#ifdef BATTEN_HAS_CHOLMOD
+  if (backend == CholeskyBackend::Cholmod && !progress.is_silent() &&
+      A.rows() >= SparseCholesky::kCholmodFrom)
+    return linalg_detail::run_in_background(
+        [factor, A, same_pattern] { return factor->factorize(A, same_pattern); }, progress);
+#else
+  static_cast<void>(backend);
+#endif
+  progress.report("factorisation", 0);
+  return factor->factorize(A, same_pattern);
+}
+
 }  // namespace
 
 struct SparseCholesky::Implementation {
   std::string system;
   CholeskyBackend requested;
   CholeskyBackend used = CholeskyBackend::Eigen;
-  std::unique_ptr<Factor> factor;
+  std::shared_ptr<Factor> factor;  ///< shared with the thread that fills it
   Pattern pattern;
   Eigen::Index unknowns = 0;
   bool ready = false;
@@ -241,7 +245,7 @@ bool SparseCholesky::has_cholmod() {
 #endif
 }
 
-void SparseCholesky::factorize(const SparseMatrix& A) {
+void SparseCholesky::factorize(const SparseMatrix& A, const Progress& progress) {
   Implementation& self = *implementation_;
   self.ready = false;
   self.unknowns = A.rows();
@@ -253,7 +257,7 @@ void SparseCholesky::factorize(const SparseMatrix& A) {
   if (!A.isCompressed()) {
     SparseMatrix compressed = A;
     compressed.makeCompressed();
-    factorize(compressed);
+    factorize(compressed, progress);
     return;
   }
   const CholeskyBackend wanted =
@@ -264,16 +268,17 @@ void SparseCholesky::factorize(const SparseMatrix& A) {
   const bool same_pattern = self.factor && wanted == self.used && self.pattern.matches(A);
   if (!self.factor || wanted != self.used) {
 #ifdef BATTEN_HAS_CHOLMOD
-    if (wanted == CholeskyBackend::Cholmod) self.factor = std::make_unique<CholmodFactor>();
+    if (wanted == CholeskyBackend::Cholmod) self.factor = std::make_shared<CholmodFactor>();
 #endif
-    if (wanted == CholeskyBackend::Eigen) self.factor = std::make_unique<EigenFactor>();
+    if (wanted == CholeskyBackend::Eigen) self.factor = std::make_shared<EigenFactor>();
     self.used = wanted;
   }
   if (!same_pattern) self.pattern.take(A);
-  if (!self.factor->factorize(A, same_pattern)) {
-    self.factor.reset();
+  // Taken out until it is whole: what is cancelled belongs to the thread that still fills it.
+  std::shared_ptr<Factor> factor = std::exchange(self.factor, nullptr);
+  if (!run_factorization(factor, A, same_pattern, wanted, progress))
     throw SolverFailure(self.system, A.rows());
-  }
+  self.factor = std::move(factor);
   self.ready = true;
 }
 

@@ -5,6 +5,8 @@
 
 #include <Eigen/SparseCore>
 
+#include "batten/core/progress.hpp"
+
 namespace batten {
 
 /// Column-major compressed sparse matrix; the storage of every system in the library.
@@ -35,8 +37,14 @@ class SparseCholesky {
 
   /// Factorises A (n × n, symmetric positive definite; only the lower triangle is read). The ordering of an
   /// earlier call is kept when the pattern is the same.
-  /// @throws SolverFailure when A is singular, indefinite or not finite.
-  void factorize(const SparseMatrix& A);
+  ///
+  /// Where somebody listens to the progress and the system is large (kCholmodFrom), CHOLMOD, which cannot be
+  /// interrupted, runs on a thread of its own with a copy of A, and the calling thread reports every 50 ms.
+  /// After a cancellation that thread works on to its end, unseen; the process waits for it when it exits.
+  /// The settings of OpenBLAS and OpenMP are serial while CHOLMOD runs and put back when it returns.
+  /// @throws SolverFailure when A is singular, indefinite or not finite; Cancelled, and nothing is factorised
+  /// then.
+  void factorize(const SparseMatrix& A, const Progress& progress = {});
 
   /// X with A X = B, for any number of columns. @pre factorize() has succeeded.
   /// @throws SolverFailure when the result is not finite.
