@@ -17,7 +17,7 @@ using fixtures::cube;
 using fixtures::Mesh;
 
 // With W = 1, one step and λ → 0 both steps together are implicit mean curvature flow with the same fixed L
-// (ERRATA on 2.31–2.35), up to the translation that λ alone holds.
+// (docs/errata.md#h-2-31), up to the translation that λ alone holds.
 TEST(SurfaceDiffusion, IsImplicitMeanCurvatureFlowWithoutFidelity) {
   const Mesh mesh = cube(6);
   SurfaceDiffusionOptions options;

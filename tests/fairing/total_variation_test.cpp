@@ -23,7 +23,7 @@ TEST(TotalVariation, OfALinearFunctionIsItsSlopeTimesTheArea) {
               1e-12);
 }
 
-// Exact answer (Strong and Chan 2003): a step between two rectangles of width w comes back lowered by
+// Exact answer [strong2003]: a step between two rectangles of width w comes back lowered by
 // 1/(μ w) on either side, its place unchanged. Here w = 1 and μ = 10: ±1 becomes ±0.9.
 TEST(DenoiseTotalVariation, LowersAStepByTheExactAmount) {
   const Mesh mesh = sheet(11, 4, 2, 1);

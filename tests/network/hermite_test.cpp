@@ -43,7 +43,8 @@ double worst_radius(const HermiteNetwork& splines) {
   return worst;
 }
 
-// ERRATA (C.9): with t in [0, 1] on every piece an uneven circle bulges by 11 %; with arc lengths by 0.2 %.
+// docs/errata.md#s-c-9: with t in [0, 1] on every piece an uneven circle bulges by 11 %; with arc lengths by
+// 0.2 %.
 TEST(HermiteNetwork, KeepsAnUnevenCircleWithinTwoPerMille) {
   for (const unsigned seed : {1u, 2u, 3u, 4u})
     for (const bool normals : {false, true})
@@ -118,7 +119,8 @@ TEST(HermiteNetwork, EnergyIsThatOfTheCurve) {
   EXPECT_LT(hermite_network(straight).energy, 1e-20);
 }
 
-// ERRATA (C.8): at degree 3 with even angles the tangents sum to zero and bend the straight curve of a T.
+// docs/errata.md#s-c-8: at degree 3 with even angles the tangents sum to zero and bend the straight curve of
+// a T.
 TEST(HermiteNetwork, KeepsTheThroughCurveOfATStraight) {
   for (const NodeTangents kind : {NodeTangents::Free, NodeTangents::EvenAngles}) {
     CurveNetwork network;
@@ -135,7 +137,7 @@ TEST(HermiteNetwork, KeepsTheThroughCurveOfATStraight) {
   }
 }
 
-// ERRATA (C.7): two segments that join the same two nodes, and a loop at one of them.
+// docs/errata.md#s-c-7: two segments that join the same two nodes, and a loop at one of them.
 TEST(HermiteNetwork, TellsParallelSegmentsAndLoopsApart) {
   CurveNetwork network;
   Points lens(16, 3);
@@ -165,7 +167,7 @@ TEST(HermiteNetwork, TellsParallelSegmentsAndLoopsApart) {
                 1e-3);
 }
 
-// ERRATA (C.15): the printed recurrence overflows at 540 inner points.
+// docs/errata.md#s-c-15: the printed recurrence overflows at 540 inner points.
 TEST(HermiteNetwork, TakesSegmentsOfAnyLength) {
   const HermiteNetwork splines = hermite_network(three_great_circles(3000));
   EXPECT_LT(worst_radius(splines), 1e-12);

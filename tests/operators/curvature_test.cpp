@@ -9,8 +9,8 @@
 namespace batten {
 namespace {
 
-// Radius 2: H = 1/2, K = 1/4, both principal curvatures 1/2; the sign of H for outward normals is METHODS
-// 0's.
+// Radius 2: H = 1/2, K = 1/4, both principal curvatures 1/2; the sign of H is that of
+// docs/methods.md#conventions.
 TEST(DiscreteCurvatures, AreThoseOfASphere) {
   const TriangleMesh mesh = samples::octasphere(24, 2);
   const Curvatures c = discrete_curvatures(mesh.positions, mesh.triangles);
@@ -102,8 +102,8 @@ TEST(DiscreteCurvatures, AreExactOnAnEvenlyCutCylinder) {
     }
 }
 
-// (1.29) as printed is −2 H N (errata): here with the sign of (1.28). On a sphere of radius 2 it points
-// outwards with the length 2 H = 1; on a torus it converges at second order.
+// (1.29) as printed is −2 H N (docs/errata.md#h-1-29): here with the sign of (1.28). On a sphere of radius 2
+// it points outwards with the length 2 H = 1; on a torus it converges at second order.
 TEST(CurvatureFromDivergence, HasTheSignAndTheLimitOfTheLaplacianOfThePositions) {
   const TriangleMesh sphere = samples::octasphere(20, 2);
   const Points wide = curvature_from_divergence(sphere.positions, sphere.triangles);
@@ -152,7 +152,8 @@ TEST(TotalAngleDeficit, IsTwoPiTimesTheEulerCharacteristic) {
   EXPECT_NEAR(total_angle_deficit(square.positions, square.triangles), 2 * kPi, 1e-11);
 }
 
-// S (4.18) is −2 H N times the area (errata): on a sphere of radius 2 its length over the Voronoi area is 1.
+// S (4.18) is −2 H N times the area (docs/errata.md#s-4-18): on a sphere of radius 2 its length over the
+// Voronoi area is 1.
 TEST(CurvatureFromNormals, IsMinusTwiceTheMeanCurvatureOnASphere) {
   const TriangleMesh mesh = samples::octasphere(20, 2);
   const Points normals = mesh.positions / 2;

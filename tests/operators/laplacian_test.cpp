@@ -74,7 +74,8 @@ TEST(LumpedMass, SumsToTheAreaInBothKinds) {
   EXPECT_NEAR(lumped_mass(mesh.positions, mesh.triangles, MassKind::Barycentric).sum(), 1, 1e-13);
 }
 
-// The counter-example of the errata to algorithm 2.11: printed it gives −1.6, −1.6, +0.5 of this triangle.
+// The counter-example to S algorithm 2.11 (docs/errata.md#s-2-11): printed it gives −1.6, −1.6, +0.5 of this
+// triangle.
 TEST(LumpedMass, SharesAnObtuseTriangleQuarterQuarterHalf) {
   Points positions(3, 3);
   positions << 0, 0, 0, 4, 0, 0, 2, 0.5, 0;

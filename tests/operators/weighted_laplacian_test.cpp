@@ -59,7 +59,7 @@ TEST(WeightedLaplacian, AnnulsConstantsOfEachComponentAlone) {
 }
 
 // On equilateral triangles f = x² + y² has the six neighbours e² higher each: Δf = 4 exactly, the mean of the
-// neighbours is e² = (e²/4) Δf above (errata), and the scaled umbrella is 2/e² times that.
+// neighbours is e² = (e²/4) Δf above (docs/errata.md#h-1-16), and the scaled umbrella is 2/e² times that.
 TEST(WeightedLaplacian, HasTheKnownMultiplesOfTheLaplacianOnEquilateralTriangles) {
   const double e = 0.3;
   const TriangleMesh mesh = lattice(7, e);

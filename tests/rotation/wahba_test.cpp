@@ -107,7 +107,7 @@ TEST(Wahba, PairsOfWeightZeroMayHoldAnyVectors) {
   }
 }
 
-// Markley 1988: the solution is unique while σ₂ + sign(det B) σ₃ > 0. Three axes of equal weight have B =
+// [markley1988]: the solution is unique while σ₂ + sign(det B) σ₃ > 0. Three axes of equal weight have B =
 // ±I/3. All kept, the identity is the only solution; all reversed, every half turn costs the same (trace −1,
 // like any other), so there is none. With unequal weights the reversed axes have one again: the half turn
 // that reverses the heaviest two, (−1, −1, +1) in the order of weights, which costs 4 times the lightest.
@@ -137,9 +137,9 @@ TEST(Wahba, TheHeavierVectorIsMetTheBetter) {
   EXPECT_LT((X * tilted - up).norm(), 1e-5);
 }
 
-// METHODS 0: Wahba's A is the transpose of X; with (2.26) the same quaternion put into the ordinary matrix
-// gives X. The columns of X are the device axes (forward, normal, forward × normal) in the world: a device
-// that moves east with its face up on a table has t = east, N = up, B = east × up.
+// docs/methods.md#conventions: Wahba's A is the transpose of X; with (2.26) the same quaternion put into the
+// ordinary matrix gives X. The columns of X are the device axes (forward, normal, forward × normal) in the
+// world: a device that moves east with its face up on a table has t = east, N = up, B = east × up.
 TEST(Wahba, GivesTheFrameWhoseColumnsAreTheDeviceAxesInTheWorld) {
   const Vector3d up(0, 0, 1);
   const Vector3d field(0.5, 0, -std::sqrt(3.0) / 2);  // x is magnetic north

@@ -75,7 +75,7 @@ TEST(Regression, MinimisesTheEnergyAsPrinted) {
 }
 
 TEST(Regression, DoesNotDependOnTheUnitOfLength) {
-  // S (3.27): lengths × s need λ × s and μ × s³ (errata); `unit` does that by itself.
+  // S (3.27): lengths × s need λ × s and μ × s³ (docs/errata.md#s-3-units); `unit` does that by itself.
   const SampledScan data = noisy_samples();
   RegressionOptions options = thesis_options();
   const SampledScan X = regress_frames(data, options);

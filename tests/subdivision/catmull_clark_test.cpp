@@ -16,7 +16,7 @@ namespace {
 
 using Row = Eigen::RowVector3d;
 
-/// One level by the definition of Catmull and Clark 1978 with the rules of DeRose et al. 1998 for sharpness,
+/// One level by the definition of [catmull1978] with the rules of [derose1998] for sharpness,
 /// written as plainly as possible: maps from edges to sums. The second implementation.
 struct PlainLevel {
   std::map<std::pair<int, int>, Row> edge_point;

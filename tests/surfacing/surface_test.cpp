@@ -69,8 +69,8 @@ void expect_sound(const SurfaceResult& surface) {
 }
 
 // The surfaces are defined at the end of data/README.md. `target` is the mean distance in % of the diameter
-// that METHODS 6 measured for the closed ones after one rebuild, and the figures of the task for the open
-// ones.
+// that a trial of the thesis's form reached, after one rebuild on closed surfaces and without border rows on
+// open ones.
 struct ExactNetwork {
   const char* name;
   Function surface;
@@ -138,7 +138,7 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& instance) { return std::string(instance.param.name); });
 
 // A sphere has constant mean curvature: the normals are exact in the limit, the curvature along edges exact
-// on an inscribed mesh. The vertices must therefore lie far closer than the 0.008 % of METHODS 6.
+// on an inscribed mesh. The vertices must therefore lie far closer than the 0.008 % of that trial.
 TEST(SurfaceNetwork, ReproducesASphere) {
   const CurveNetwork network = octahedral_sphere(18);
   const SurfaceResult surface = surface_network(network);

@@ -10,7 +10,7 @@ std::uint64_t rotate_left(std::uint64_t x, int k) {
   return (x << k) | (x >> (64 - k));
 }
 
-// SplitMix64 (Steele, Lea, Flood 2014): spreads a small seed over the whole state.
+// SplitMix64 [steele2014]: spreads a small seed over the whole state.
 std::uint64_t split_mix(std::uint64_t& x) {
   x += 0x9e3779b97f4a7c15ULL;
   std::uint64_t z = x;
@@ -29,7 +29,7 @@ Random::Random(std::uint64_t seed, std::uint64_t stream) {
   for (std::uint64_t& word : state_) word = split_mix(y);
 }
 
-std::uint64_t Random::bits() {  // xoshiro256** (Blackman, Vigna 2018)
+std::uint64_t Random::bits() {  // xoshiro256** [blackman2021]
   const std::uint64_t result = rotate_left(state_[1] * 5, 7) * 9;
   const std::uint64_t t = state_[1] << 17;
   state_[2] ^= state_[0];

@@ -36,7 +36,7 @@ std::vector<int> parts(const Triangles& triangles, Eigen::Index n) {
 }
 
 /// Lengthens all edges by one small amount, such that no triangle is flatter than a hundredth of the mean
-/// edge (Sharp, Crane 2020): weights of degenerate triangles stay finite, those of good ones hardly change.
+/// edge [sharp2020]: weights of degenerate triangles stay finite, those of good ones hardly change.
 EdgeLengths mollified(EdgeLengths lengths) {
   if (lengths.rows() == 0) return lengths;
   const double least = 1e-2 * lengths.mean();
@@ -107,7 +107,7 @@ constexpr int kAccelerationDepth = 6, kPlainIterations = 5;
 constexpr double kMixing = 0.5;
 
 /// Fixed points x = g(x) from the last few steps: the combination of them whose residuals g(x) − x cancel
-/// best (Anderson 1965; Walker, Ni 2011). Where plain steps creep or swing this converges like a quasi-Newton
+/// best [anderson1965] [walker2011]. Where plain steps creep or swing this converges like a quasi-Newton
 /// method.
 class AndersonAcceleration {
  public:
@@ -300,7 +300,7 @@ struct Deformer::Implementation {
 
   /// Adds to the rest shape the answer to displacements (c × 3) that are affine on every region: translations
   /// and turns of handles are. It is linear in the few numbers that describe them, so that no system is left
-  /// to solve (Botsch, Kobbelt: An intuitive framework, 2004). @return false, with X undefined, where some
+  /// to solve [botsch2004framework]. @return false, with X undefined, where some
   /// region moves otherwise.
   bool respond(const Points& displacements, Points& X) const {
     if (regions.empty()) return false;

@@ -12,7 +12,7 @@
 namespace batten {
 
 /// What a deformation minimises, as a quadratic energy of the displacement d = X' − X. With the cotangent
-/// stiffness K and the lumped mass M (METHODS 0):
+/// stiffness K and the lumped mass M (docs/methods.md#conventions):
 enum class DeformationEnergy {
   Stretch,         ///< −Δd = 0: K. C⁰ at the handles. H (2.57)
   Bend,            ///< Δ²d = 0: K M⁻¹ K. C¹ at the handles. H (2.58)
@@ -25,7 +25,7 @@ enum class DetailPreservation {
   /// Not at all: detail keeps its direction in space.
   None,
   /// Alternates between rotations of the one-rings and positions (H 2.3.3). The differentials of the energy
-  /// turn with the one-rings: with Stretch this is "as rigid as possible" (Sorkine, Alexa 2007).
+  /// turn with the one-rings: with Stretch this is "as rigid as possible" [sorkine2007].
   ShapeMatching,
   /// Inexact Gauss–Newton on Laplacian coordinates written in face normals (H 2.3.4, 2.74–2.79).
   GaussNewton,
@@ -40,8 +40,9 @@ struct DeformOptions {
   /// Combined: ℓ = √(k_b / k_s) as a fraction of the bounding-box diagonal, positive. Bending rules below
   /// this size, stretching above.
   double bending_length = 0.1;
-  /// TotalCurvature: factor of its curvature term, [0, 1]. The operator may be indefinite (ERRATA): then the
-  /// factor is halved until it is positive definite, and DeformReport says so. 0 is Bend.
+  /// TotalCurvature: factor of its curvature term, [0, 1]. The operator may be indefinite
+  /// (docs/errata.md#h-2-61): then the factor is halved until it is positive definite, and DeformReport says
+  /// so. 0 is Bend.
   double curvature_term = 1;
   /// GaussNewton: λ_2 of (2.67) relative to the bending energy, positive. Small values let the displacement
   /// energy drag details towards their old direction.

@@ -7,8 +7,8 @@
 
 namespace batten {
 
-/// Laplacian coordinates written in the face normals around each vertex (the dual Laplacian of Au et al.
-/// 2006, Huang et al. 2006; H 2.74–2.77), so that they turn with the surface: δ_i = Σ_f μ_if (x_j − x_i) ×
+/// Laplacian coordinates written in the face normals around each vertex (the dual Laplacian of
+/// [au2006] and [huang2006]; H 2.74–2.77), so that they turn with the surface: δ_i = Σ_f μ_if (x_j − x_i) ×
 /// (x_k − x_i) over the triangles f = (i, j, k) at vertex i.
 class DualLaplacian {
  public:

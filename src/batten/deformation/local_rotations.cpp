@@ -1,4 +1,4 @@
-// Müller, Bender, Chentanez, Macklin: A robust method to extract the rotational part of deformations (2016).
+// After [mueller2016].
 #include "batten/deformation/local_rotations.hpp"
 
 #include <cmath>

@@ -10,7 +10,7 @@ namespace batten {
 
 /// The rotation R that maximises trace(Rᵀ C), C = Σ w y xᵀ: the best rigid fit of the vectors x to the
 /// vectors y (shape matching, Procrustes). det R = +1 also where C mirrors.
-/// @param start a rotation near the answer; the nearer, the faster (Müller, Bender, Chentanez, Macklin 2016).
+/// @param start a rotation near the answer; the nearer, the faster [mueller2016].
 Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& C,
                                  const Eigen::Matrix3d& start = Eigen::Matrix3d::Identity());
 

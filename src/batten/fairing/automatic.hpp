@@ -49,7 +49,7 @@ struct AutomaticFairingReport {
 ///
 /// Two strategies (narrow range and wide neighbourhood for sharp parts, the opposite for organic ones) are
 /// run twice, the second time on slightly perturbed input, and judged by Stein's unbiased risk estimate
-/// (Stein 1981; Ramani, Blu, Unser 2008 for the perturbation) of the error of the normals; the one that is
+/// ([stein1981]; [ramani2008] for the perturbation) of the error of the normals; the one that is
 /// better at most places is taken, but for regions where the other is better beyond doubt.
 ///
 /// Triangles that noise along the surface has folded over are turned back by sliding their vertices. A closed

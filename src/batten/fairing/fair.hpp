@@ -19,8 +19,8 @@ enum class FairingMethod {
   AnisotropicTensor,         ///< amcf-tensor: along edges only
   TotalVariation,            ///< tv: normals by total variation, then a refit
   Taubin,                    ///< taubin: low-pass filter, hardly shrinks
-  BilateralNormal,           ///< bilateral-normal: Zheng et al. 2011
-  GuidedNormal,              ///< guided-normal: Zhang et al. 2015
+  BilateralNormal,           ///< bilateral-normal: [zheng2011]
+  GuidedNormal,              ///< guided-normal: [zhang2015]
   Elastica,                  ///< elastica: Willmore flow
   Nonlocal,                  ///< nonlocal: positions with similarity weights
 };

@@ -87,8 +87,8 @@ struct TaubinOptions {
   bool keep_boundary = false;
 };
 
-/// Taubin's λ|μ smoothing (1995) with the umbrella: a low-pass filter that hardly shrinks. The filter most
-/// used on organic shapes; here for comparison.
+/// Taubin's λ|μ smoothing [taubin1995] with the umbrella: a low-pass filter that hardly shrinks. The filter
+/// most used on organic shapes; here for comparison.
 Points taubin_smoothing(const Points& positions, const Triangles& triangles,
                         const TaubinOptions& options = {}, const Progress& progress = {});
 

@@ -14,18 +14,18 @@ struct NormalFilterOptions {
   bool keep_boundary = false;
 };
 
-/// Bilateral filter of the normals of triangles over their neighbours (Zheng, Fu, Au, Tai 2011, local form).
+/// Bilateral filter of the normals of triangles over their neighbours ([zheng2011], local form).
 /// @return m × 3 unit normals.
 Points bilateral_normals(const Points& positions, const Triangles& triangles,
                          const NormalFilterOptions& options = {}, const Progress& progress = {});
 
-/// Joint bilateral filter guided by the most consistent patch around each triangle (Zhang, Deng, Zhang,
-/// Bouaziz, Liu 2015). @return m × 3 unit normals.
+/// Joint bilateral filter guided by the most consistent patch around each triangle [zhang2015].
+/// @return m × 3 unit normals.
 Points guided_normals(const Points& positions, const Triangles& triangles,
                       const NormalFilterOptions& options = {}, const Progress& progress = {});
 
 /// Moves the vertices until the triangles stand perpendicular to given normals: gradient descent with equal
-/// weights (Sun, Rosin, Martin, Langbein 2007). Sideways moves included, nothing holds the volume.
+/// weights [sun2007]. Sideways moves included, nothing holds the volume.
 Points move_to_normals(const Points& positions, const Triangles& triangles, const Points& face_normals,
                        int iterations, bool keep_boundary = false);
 

@@ -30,10 +30,10 @@ struct TotalVariationReport {
 /// ∫|∇φ| over the mesh of a field per vertex (n × c; channels are coupled by the Frobenius norm). (2.15)
 double total_variation(const Points& positions, const Triangles& triangles, const Eigen::MatrixXd& field);
 
-/// Minimises TV(φ) + fit to f (n × c, per vertex) by Chambolle's dual iteration (2004),
+/// Minimises TV(φ) + fit to f (n × c, per vertex) by Chambolle's dual iteration [chambolle2004],
 /// V ← (V + τ∇(div V − μf)) / (1 + τ|∇(div V − μf)|), φ = f − div V/μ, with V per triangle, div the exact
 /// negative adjoint of ∇ and τ = 1/‖div‖² (the thesis prints 1/‖div‖, with which it diverges). The L1 fit
-/// alternates it with soft thresholding (Aujol, Gilboa, Chan, Osher 2006).
+/// alternates it with soft thresholding [aujol2006].
 /// On positions, TV is mean curvature flow (2.18): apply it to normals and scalar fields.
 /// @return n × c.
 /// @throws InvalidInput on bad options or sizes; Cancelled.

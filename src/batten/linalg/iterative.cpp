@@ -170,7 +170,7 @@ IterativeReport solve_lsqr(const SparseMatrix& A, const Eigen::MatrixXd& B, Eige
     bool converged = false;
     int k = 0;
     for (; k < limit && !converged; ++k) {
-      // Golub–Kahan bidiagonalisation, then one Givens rotation (Paige, Saunders 1982, section 4).
+      // Golub–Kahan bidiagonalisation, then one Givens rotation ([paige1982], section 4).
       u = A * v - alpha * u;
       beta = u.norm();
       if (beta > 0) u /= beta;

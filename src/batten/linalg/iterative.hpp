@@ -53,7 +53,7 @@ IterativeReport solve_conjugate_gradients(const LinearOperator& A, const Eigen::
 /// Restarted GMRES(50) with incomplete LU, for square A that is not symmetric.
 IterativeReport solve_gmres(const SparseMatrix& A, const Eigen::MatrixXd& B, Eigen::MatrixXd& X,
                             std::string_view system, const IterativeOptions& options = {});
-/// LSQR (Paige, Saunders 1982) for min ‖A x − b‖², A m × n of any shape. The tolerance is on ‖Aᵀr‖.
+/// LSQR [paige1982] for min ‖A x − b‖², A m × n of any shape. The tolerance is on ‖Aᵀr‖.
 IterativeReport solve_lsqr(const SparseMatrix& A, const Eigen::MatrixXd& B, Eigen::MatrixXd& X,
                            std::string_view system, const IterativeOptions& options = {});
 

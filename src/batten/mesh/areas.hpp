@@ -12,8 +12,8 @@ Eigen::VectorXd face_areas(const Points& positions, const Triangles& triangles);
 double surface_area(const Points& positions, const Triangles& triangles);
 
 /// The volume enclosed by a closed mesh, positive when its faces are counter-clockwise seen from outside:
-/// Σ det(a, b, c) / 6 with the origin in the middle of the bounding box (METHODS 7, (1.30) of H). Without
-/// meaning when the mesh is open.
+/// Σ det(a, b, c) / 6 with the origin in the middle of the bounding box (H (1.30), docs/errata.md#h-1).
+/// Without meaning when the mesh is open.
 double enclosed_volume(const Points& positions, const Triangles& triangles);
 
 }  // namespace batten

@@ -10,7 +10,7 @@ namespace batten {
 constexpr double kInfinitelySharp = std::numeric_limits<double>::infinity();
 
 /// An edge of a cage that stays sharp for so many levels of subdivision: 0 is smooth, a fraction blends the
-/// last level, 10 and more means for ever (DeRose, Kass and Truong 1998).
+/// last level, 10 and more means for ever [derose1998].
 struct SharpEdge {
   int from = 0, to = 0;  ///< vertices joined by an edge of a face, in either order
   double sharpness = kInfinitelySharp;

@@ -188,7 +188,7 @@ class BoxTreeBuilder {
 };
 
 /// Barycentric weights of the point of the triangle (a, a + ab, a + ac) nearest to q; false when the triangle
-/// has no area. After Ericson, Real-Time Collision Detection (2005), 5.1.5: the Voronoi regions of the
+/// has no area. After [ericson2005], 5.1.5: the Voronoi regions of the
 /// corners and edges are told apart by six dot products.
 inline bool triangle_weights(const Vector3d& ap, const Vector3d& ab, const Vector3d& ac, double& v,
                              double& w) {

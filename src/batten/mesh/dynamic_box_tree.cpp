@@ -1,5 +1,5 @@
 // A height-balanced binary tree of boxes: a new leaf goes where the sizes of boxes grow least, and rotations
-// on the way back keep the heights of siblings within one of each other or so (Goldsmith and Salmon 1987;
+// on the way back keep the heights of siblings within one of each other or so ([goldsmith1987];
 // AVL).
 #include "batten/mesh/dynamic_box_tree.hpp"
 

@@ -1,5 +1,4 @@
-// Based on: J. R. Shewchuk, Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric
-// Predicates, Discrete & Computational Geometry 18, 1997 (expansions and the error bounds of the filters).
+// Based on [shewchuk1997]: expansions and the error bounds of the filters.
 #include "batten/mesh/predicates.hpp"
 
 #include <cmath>

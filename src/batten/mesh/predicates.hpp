@@ -4,7 +4,7 @@
 namespace batten {
 
 // Signs of determinants, exact for every finite input whose products neither overflow nor underflow: a
-// floating filter, then expansions (Shewchuk 1997, Adaptive precision floating-point arithmetic).
+// floating filter, then expansions [shewchuk1997].
 
 /// +1 when a, b, c turn counter-clockwise, −1 clockwise, 0 when they lie on a line.
 int orient2d(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c);

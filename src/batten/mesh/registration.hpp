@@ -32,7 +32,7 @@ struct SimilarityTransform {
 enum class RegistrationKind { None, Rigid, Similarity };
 
 /// The transform that takes the rows of `from` closest to those of `to` in the least-squares sense
-/// (Umeyama 1991, by a singular value decomposition; reflections are excluded).
+/// ([umeyama1991], by a singular value decomposition; reflections are excluded).
 /// @param weights one per pair, not negative; empty for equal weights.
 /// @throws InvalidInput when the numbers of points differ, a number is not finite, or the points lie on one
 /// line, so that the rotation about it is not determined.
@@ -62,9 +62,9 @@ struct Registration {
 };
 
 /// Moves one shape onto another so that the mean squared distance of its samples to the other is least:
-/// iterated closest points (Besl, McKay 1992) from the alignment of the centroids, with several starts (as it
+/// iterated closest points [besl1992] from the alignment of the centroids, with several starts (as it
 /// lies, and the 24 ways to lay the principal axes upon each other) refined by Gauss–Newton on the distances
-/// to tangent planes and tangent lines (Chen, Medioni 1992). Where a surface is moved onto curves, the curves
+/// to tangent planes and tangent lines [chen1992]. Where a surface is moved onto curves, the curves
 /// are matched to the surface instead and the result is inverted.
 /// Symmetric shapes have several answers; the start "as it lies" wins unless another is better by 0.1 %.
 /// @throws InvalidInput when a shape is empty, its points lie on one line, or the scale runs away; Cancelled.

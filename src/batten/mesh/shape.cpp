@@ -63,7 +63,7 @@ Points sample_uniformly(const Shape& shape, Eigen::Index n, Random& random, std:
         std::min<Eigen::Index>(std::upper_bound(sums.begin(), sums.end(), at) - sums.begin(), m - 1);
     if (elements != nullptr) (*elements)[i] = static_cast<int>(e);
     const Vector3d a = corner(e, 0), b = corner(e, 1);
-    if (surface) {  // the square root makes the density even (Osada et al. 2002)
+    if (surface) {  // the square root makes the density even [osada2002]
       const double r = std::sqrt(random.uniform()), s = random.uniform();
       samples.row(i) = (1 - r) * a + r * (1 - s) * b + r * s * corner(e, 2);
     } else {

@@ -42,7 +42,8 @@ std::vector<int> used_vertices(const Shape& shape);
 Points sample_uniformly(const Shape& shape, Eigen::Index n, Random& random,
                         std::vector<int>* elements = nullptr);
 
-/// Length of the diagonal of the bounding box of the used vertices: "the diameter" (METHODS 0).
+/// Length of the diagonal of the bounding box of the used vertices: "the diameter"
+/// (docs/methods.md#conventions).
 double diameter(const Shape& shape);
 
 }  // namespace batten

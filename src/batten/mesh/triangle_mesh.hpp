@@ -37,7 +37,8 @@ TriangleMesh triangulated(const PolygonMesh& mesh);
 /// @pre every face has four corners.
 Triangles cut_at_first_corners(const PolygonMesh& quads);
 
-/// Length of the diagonal of the axis-aligned bounding box: "the diameter" (METHODS 0). 0 without points.
+/// Length of the diagonal of the axis-aligned bounding box: "the diameter" (docs/methods.md#conventions). 0
+/// without points.
 double bounding_box_diagonal(const Points& points);
 
 }  // namespace batten

@@ -8,7 +8,7 @@
 
 namespace batten {
 
-/// The bilinearly blended Coons patch (Coons 1967; H 6.1.2) of four curves that form a closed loop: the
+/// The bilinearly blended Coons patch ([coons1967]; H 6.1.2) of four curves that form a closed loop: the
 /// surface x(u, v), u and v in [0, 1], that goes through them and mixes opposite ones linearly. Each curve is
 /// taken over the fraction of its length.
 class CoonsPatch {

@@ -431,7 +431,7 @@ class Splitter {
     return false;
   }
 
-  /// Puts every inner vertex of a piece into the mean of its neighbours (Tutte 1963).
+  /// Puts every inner vertex of a piece into the mean of its neighbours [tutte1963].
   void relax(size_t first_quad, int first_inner) {
     const int n = static_cast<int>(positions_.size()) - first_inner;
     std::vector<Eigen::Triplet<double>> entries;

@@ -1,4 +1,4 @@
-// Based on H 6.1; the search over all divisions is that of minimum-weight triangulation (Klincsek 1980) with
+// Based on H 6.1; the search over all divisions is that of minimum-weight triangulation [klincsek1980] with
 // quads as further parts.
 #include "batten/modelling/triquadrification.hpp"
 
@@ -292,7 +292,7 @@ Points Face::lifted(const Vector2d& from, const Vector2d& to, int n_segments) co
   const Eigen::Matrix<double, 6, 1> quadric = A.ldlt().solve(b);
   std::vector<double> rest(outline_.size());
   for (size_t i = 0; i < outline_.size(); ++i) rest[i] = heights_[i] - terms(outline_[i]).dot(quadric);
-  // Mean value interpolation of the rest (Hormann and Floater 2006, without their special cases: the ends
+  // Mean value interpolation of the rest ([hormann2006], without their special cases: the ends
   // are corners and set exactly below).
   const auto interpolated = [&](const Vector2d& q) {
     double sum = 0, total = 0;

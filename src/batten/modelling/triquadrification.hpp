@@ -11,7 +11,7 @@ namespace batten {
 /// How the best division of a face is searched for.
 enum class SplitSearch {
   /// The best of all divisions, by dynamic programming over the parts that diagonals cut off (as in
-  /// minimum-weight triangulation; Klincsek 1980). Time O(n⁴); faces of more than 40 sides are first cut
+  /// minimum-weight triangulation [klincsek1980]). Time O(n⁴); faces of more than 40 sides are first cut
   /// down by the other search.
   Optimal,
   /// H 6.1.1: cut off the best quad of four corners in a row, again and again. Not always the best, and it
@@ -72,7 +72,7 @@ struct FaceDiagonals {
 /// The curves of the diagonals of a division: lines of the Coons patch of the associated quad (H 6.1.2).
 /// Where one of them would run along the border or leave the face, or the face has a reflex corner, all run
 /// straight in the plane of the face, at the heights that a quadric fitted to the border and the mean value
-/// interpolation (Floater 2003) of what it leaves there give; on faces that lie over no plane, straight in
+/// interpolation [floater2003] of what it leaves there give; on faces that lie over no plane, straight in
 /// space those that would run along the border.
 FaceDiagonals diagonals_of_split(const std::vector<SharedPolyline>& sides, const FaceSplit& split);
 

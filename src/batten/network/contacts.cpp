@@ -17,7 +17,7 @@ namespace {
 
 using Vector = Eigen::Vector3d;
 
-/// The closest points of two segments (Ericson 2005, Real-time collision detection, 5.1.9): fractions s, t.
+/// The closest points of two segments ([ericson2005], 5.1.9): fractions s, t.
 double segment_distance(const Vector& p, const Vector& p_end, const Vector& q, const Vector& q_end, double& s,
                         double& t) {
   const Vector u = p_end - p, v = q_end - q, w = p - q;

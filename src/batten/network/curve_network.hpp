@@ -76,7 +76,7 @@ struct CycleReport {
 };
 
 /// Traces the patches of the network by the order of the segments around each node in its tangent plane
-/// (S 4.4.1, algorithm 4.9 with the corrections of the errata). Walks made only of boundary segments from
+/// (S 4.4.1, algorithm 4.9 corrected as in docs/errata.md#s-4-9). Walks made only of boundary segments from
 /// outside are no patches. Loops of components that are not connected are joined into patches with several
 /// boundary loops where they face each other (S fig. 4.18) and where that leaves less total curvature to the
 /// patch (Gauss-Bonnet) than two patches would have. Loops and cycles come in an order that depends on the

@@ -18,7 +18,8 @@ enum class NodeTangents {
   /// S (C.8): the tangents are even turns of one affine frame per node, in the order of the curves around it.
   /// Stiffer; crossings are pulled towards even angles. Nodes of degree 1, 2, and of degree 3 with a curve
   /// that
-  /// passes through, are treated as by Free, where (C.8) is singular or bends the curve (ERRATA).
+  /// passes through, are treated as by Free, where (C.8) is singular or bends the curve
+  /// (docs/errata.md#s-c-8).
   EvenAngles,
 };
 
@@ -29,7 +30,7 @@ struct HermiteOptions {
   /// curves that meet straighter than that is taken for one that passes through.
   double corner_angle = 1.0;
   /// Rounds in which the parameter of every piece is set to its length: the first guess, chord lengths,
-  /// bulges where samples are uneven (ERRATA, (C.9)).
+  /// bulges where samples are uneven (docs/errata.md#s-c-9).
   int parameter_rounds = 3;
 };
 
@@ -61,10 +62,10 @@ struct HermiteNetwork {
 
 /// Interpolates the samples of a network by cubic splines of least bending whose tangents at nodes are
 /// perpendicular to the normals there (S appendix C, (C.22)): all node tangents from one sparse system, then
-/// one tridiagonal system per segment. Deviations from the thesis, each for a reason given in ERRATA: the
-/// pieces are parametrised by arc length, ends are numbered by segment so that loops and parallel segments
-/// are right, the tridiagonal systems are solved by ratios and do not overflow, curves that pass through a T
-/// stay straight. Without normals the tangents are not confined.
+/// one tridiagonal system per segment. Deviations from the thesis, each for a reason given in
+/// docs/errata.md#s-c: the pieces are parametrised by arc length, ends are numbered by segment so that loops
+/// and parallel segments are right, the tridiagonal systems are solved by ratios and do not overflow, curves
+/// that pass through a T stay straight. Without normals the tangents are not confined.
 /// @throws InvalidInput as network_topology(), or when a segment has no length or a normal vanishes, naming
 /// curve and vertex.
 HermiteNetwork hermite_network(const CurveNetwork& network, const HermiteOptions& options = {});

@@ -7,7 +7,8 @@
 
 namespace batten {
 
-/// Curvatures per vertex. H = (κ1 + κ2)/2 is positive on a sphere with outward normals (METHODS 0).
+/// Curvatures per vertex. H = (κ1 + κ2)/2 is positive on a sphere with outward normals
+/// (docs/methods.md#conventions).
 struct Curvatures {
   /// M⁻¹K x = 2 H N, n × 3. S (2.38), H (1.28). At a border it holds the pull of the open side as well.
   Points mean_vector;

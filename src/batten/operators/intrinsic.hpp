@@ -30,8 +30,8 @@ struct IntrinsicTriangulation {
   int flips = 0;
 };
 
-/// Flips edges, in the metric given by their lengths, until every inner edge is Delaunay (Fisher, Springborn,
-/// Schröder, Bobenko 2007). Its cotangent weights are never negative.
+/// Flips edges, in the metric given by their lengths, until every inner edge is Delaunay [fisher2007].
+/// Its cotangent weights are never negative.
 /// Edges marked in `fixed` (per half-edge 3f + k, or empty) and flips that would join a vertex to itself or
 /// make a double edge are left out.
 IntrinsicTriangulation intrinsic_delaunay(const Triangles& triangles, const EdgeLengths& lengths,

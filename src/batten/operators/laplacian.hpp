@@ -8,8 +8,9 @@
 
 namespace batten {
 
-// Sign and scale (METHODS 0): stiffness matrices K are symmetric positive semi-definite with rows that sum to
-// zero, mass is lumped, and the Laplacian is Δ = −M⁻¹K, so that M⁻¹K x = 2 H N on a closed surface.
+// Sign and scale (docs/methods.md#conventions): stiffness matrices K are symmetric positive semi-definite
+// with rows that sum to zero, mass is lumped, and the Laplacian is Δ = −M⁻¹K, so that M⁻¹K x = 2 H N on a
+// closed surface.
 
 /// How far cotangents may go.
 struct CotangentOptions {
@@ -28,7 +29,7 @@ SparseMatrix uniform_stiffness(const Triangles& triangles, Eigen::Index n_vertic
 
 /// Lumped mass: areas around vertices that sum to the area of the mesh.
 enum class MassKind {
-  MixedVoronoi,  ///< S algorithm 2.11 with the test "triangle is non-obtuse"
+  MixedVoronoi,  ///< [meyer2003], S algorithm 2.11 with the test "triangle is non-obtuse"
   Barycentric,   ///< a third of each triangle (H)
 };
 /// n areas, 0 at vertices without triangles.

@@ -13,7 +13,7 @@ struct FaceCurvatures {
 };
 
 /// From the turning of the normals at the corners (n × 3, unit) along the three sides: the symmetric 2 × 2
-/// shape operator S of each triangle that fits S e = ΔN best (Rusinkiewicz 2004).
+/// shape operator S of each triangle that fits S e = ΔN best [rusinkiewicz2004].
 FaceCurvatures face_curvatures(const Points& positions, const Triangles& triangles,
                                const Points& vertex_normals);
 

@@ -1,4 +1,4 @@
-// H 2.2; Botsch, Kobbelt: A remeshing approach to multiresolution modeling (2004).
+// H 2.2; [botsch2004].
 #include "batten/remeshing/remesh.hpp"
 
 #include <algorithm>
@@ -25,7 +25,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Edges are split above and collapsed below these multiples of the wanted length (Botsch, Kobbelt): after
+/// Edges are split above and collapsed below these multiples of the wanted length [botsch2004]: after
 /// either the parts are nearer to it than before.
 constexpr double kSplitAbove = 4.0 / 3.0, kCollapseBelow = 4.0 / 5.0;
 /// Standard deviation of the edges of a result over their mean (measured: 0.13 to 0.16).

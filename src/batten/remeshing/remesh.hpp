@@ -15,7 +15,7 @@ namespace batten {
 enum class RemeshMethod {
   /// Adaptive remeshing (H 2.2): areas diffused up to changes of curvature, then tangential relocation.
   Adaptive,
-  /// The Laplacian flow (H 2.46, 2.47; Botsch, Kobbelt 2004), for comparison.
+  /// The Laplacian flow (H 2.46, 2.47; [botsch2004]), for comparison.
   LaplacianFlow,
 };
 

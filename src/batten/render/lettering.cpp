@@ -102,7 +102,7 @@ const Glyph* glyph_of(char character) {
 
 using Stroke = std::vector<Eigen::Vector2d>;
 
-/// Corner cutting (Chaikin 1974), which keeps the ends of an open stroke.
+/// Corner cutting [chaikin1974], which keeps the ends of an open stroke.
 Stroke rounded(const Stroke& corners, bool closed) {
   Stroke points = corners;
   for (int round = 0; round < 4; ++round) {

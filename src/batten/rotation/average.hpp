@@ -7,7 +7,7 @@
 namespace batten {
 
 /// The weighted average of orientations: minimises Σ αᵢ ‖A − Aᵢ‖²_F over rotations (S 3.15), as the dominant
-/// eigenvector of Σ αᵢ qᵢ qᵢᵀ (S 3.20–3.21; Markley et al. 2007). The signs of the quaternions do not matter.
+/// eigenvector of Σ αᵢ qᵢ qᵢᵀ (S 3.20–3.21; [markley2007]). The signs of the quaternions do not matter.
 /// @param weights as many as rotations, none negative, not all zero; empty stands for equal weights.
 /// @throws InvalidInput without rotations, with a negative or not finite weight, or when all weights vanish.
 Eigen::Quaterniond rotation_average(const std::vector<Eigen::Quaterniond>& rotations,

@@ -17,8 +17,9 @@ Eigen::Matrix3d so3_right_jacobian_inverse(const Eigen::Vector3d& a);
 /// The rotation nearest to A in the Frobenius norm. @pre A is not singular.
 Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& A);
 
-/// Darboux frame X = [t N B] with B = t × N, columns in world coordinates (METHODS 0). Both vectors need not
-/// be of unit length nor exactly orthogonal: N is kept in direction where `keep_normal`, else t.
+/// Darboux frame X = [t N B] with B = t × N, columns in world coordinates (docs/methods.md#conventions). Both
+/// vectors need not be of unit length nor exactly orthogonal: N is kept in direction where `keep_normal`,
+/// else t.
 /// @throws InvalidInput when either vanishes or both are parallel.
 Eigen::Matrix3d darboux_frame(const Eigen::Vector3d& tangent, const Eigen::Vector3d& normal,
                               bool keep_normal = true);

@@ -86,7 +86,7 @@ Matrix3d solve_wahba(const std::vector<VectorPair>& pairs, WahbaMethod method) {
   const std::vector<VectorPair> unit_pairs = normalized(pairs);
   Matrix3d B = Matrix3d::Zero();  // attitude profile matrix, (3.3)
   for (const VectorPair& pair : unit_pairs) B += pair.weight * pair.measured * pair.reference.transpose();
-  // The rotation is unique while σ₂ + det-sign · σ₃ is above 0 (Markley 1988).
+  // The rotation is unique while σ₂ + det-sign · σ₃ is above 0 [markley1988].
   const Eigen::JacobiSVD<Matrix3d> singular(B);
   const Vector3d& sigma = singular.singularValues();
   if (!(sigma[1] + (B.determinant() < 0 ? -sigma[2] : sigma[2]) > kParallel))

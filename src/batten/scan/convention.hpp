@@ -14,10 +14,10 @@ struct ConventionReport {
   bool uncertain = false;  ///< the two readings of the data fit about equally well
 };
 
-/// Tells whether tangents belong to the readings or point to the next one (METHODS 4). A tangent that points
-/// along a chord is not at right angles to the normal at its reading, but to the mean of the normals at both
-/// ends; and the steps of such a scan close exactly where those of frames at the readings do not. What the
-/// scan itself states is taken as it is.
+/// Tells whether tangents belong to the readings or point to the next one (docs/methods.md#positions). A
+/// tangent that points along a chord is not at right angles to the normal at its reading, but to the mean of
+/// the normals at both ends; and the steps of such a scan close exactly where those of frames at the readings
+/// do not. What the scan itself states is taken as it is.
 /// @pre check_scan() has passed.
 ConventionReport tangent_convention(const Scan& scan);
 

@@ -10,8 +10,8 @@ namespace batten {
 
 /// How one step x_{k+1} − x_k follows from the frames at both its ends.
 enum class StepRule {
-  /// The frame turns at a constant rate between the samples; its tangent is integrated exactly (errata to
-  /// S 3.6). Second order, and exact on circles and helices.
+  /// The frame turns at a constant rate between the samples; its tangent is integrated exactly (S 3.6,
+  /// docs/errata.md#s-3-6). Second order, and exact on circles and helices.
   ConstantRate,
   /// h t_k, as (3.32) of the thesis amounts to where the data close. First order.
   Tangent,
@@ -58,8 +58,8 @@ IntegrationResult integrate_steps(const SampledScan& scan, const std::vector<Poi
 /// while the scan is still being recorded. Curves not connected to the first start at the origin.
 std::vector<Points> integrate_preview(const SampledScan& scan, StepRule rule = StepRule::ConstantRate);
 
-/// The size of a scan before positions are known (METHODS 0): twice the greatest distance of its points from
-/// their centroid after unfiltered integration.
+/// The size of a scan before positions are known (docs/methods.md#conventions): twice the greatest distance
+/// of its points from their centroid after unfiltered integration.
 double scan_size(const Points& positions);
 
 }  // namespace batten

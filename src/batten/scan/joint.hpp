@@ -23,7 +23,7 @@ struct NoiseModel {
 
 /// Options of estimate_jointly().
 struct JointOptions {
-  double size = 1;           ///< of the scan (METHODS 0), in its unit; > 0
+  double size = 1;           ///< of the scan (docs/methods.md#conventions), in its unit; > 0
   double reading_noise = 0;  ///< radians, from reading_noise(): where the search for the noise starts
   /// Standard deviation of the logarithm of the length factor of each curve where it is known beforehand
   /// (lengths that are only estimated); 0: found from the data.

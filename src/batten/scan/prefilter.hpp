@@ -21,7 +21,7 @@ struct CleanCurve {
 /// Options of clean_readings().
 struct CleanOptions {
   /// A reading whose quaternion has |q·q'| below this with both its neighbours is an outlier (S 3.5.3, with
-  /// the errata on the sign; 0.9 is a turn of 51.7°). 0 keeps all.
+  /// docs/errata.md#s-3-5-3; 0.9 is a turn of 51.7°). 0 keeps all.
   double outlier_cosine = 0.9;
   /// Also remove short runs of such readings, and single ones that stand out of their surroundings by more
   /// than five standard deviations of the noise found in the scan (and 3°).

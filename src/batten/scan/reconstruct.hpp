@@ -63,8 +63,8 @@ struct ScanOptions {
 
 /// What happened on the way. Lengths in the unit of the scan, angles in radians.
 struct ScanReport {
-  double size =
-      0;  ///< twice the greatest distance from the centroid after unfiltered integration (METHODS 0)
+  double size = 0;  ///< twice the greatest distance from the centroid after unfiltered integration
+                    ///< (docs/methods.md#conventions)
   double step = 0;  ///< mean distance between samples
   int n_curves = 0, n_nodes = 0, n_segments = 0, n_loops = 0;
   long n_readings = 0, n_samples = 0, n_duplicates = 0;

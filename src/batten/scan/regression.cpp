@@ -1,5 +1,5 @@
-// Regression on SO(3): S 3.5.4 with the corrections of the errata. The discrete energy is that of
-// N. Boumal, Interpolation and regression of rotation matrices, GSI 2013; the solver is Gauss–Newton.
+// Regression on SO(3): S 3.5.4 with the corrections of docs/errata.md#s-3. The discrete energy is that of
+// [boumal2013]; the solver is Gauss–Newton.
 #include "batten/scan/regression.hpp"
 
 #include <algorithm>

@@ -13,7 +13,7 @@ enum class RegressionEnergy {
   /// S (3.30): ξ E_N + E_0 + λ E_1 + μ E_2, lengths measured in RegressionOptions::unit.
   Thesis,
   /// h ξ E_N + h E_0 + λ E_1 + μ E_2 with lengths measured in units of the size of the scan: the same weights
-  /// smooth as much at every resolution, size and unit (METHODS 3).
+  /// smooth as much at every resolution, size and unit (docs/methods.md#regression).
   Scaled,
 };
 constexpr auto choices_of(RegressionEnergy) {
@@ -47,8 +47,8 @@ struct RegressionReport {
 };
 
 /// Smooths the frames of all curves at once (S 3.5.4), by Gauss–Newton with Levenberg's damping on SO(3)ᴺ,
-/// X ← X exp(δ^), with analytic Jacobians. Chordal E_0, E_1, skew E_2, with the forms of the errata where
-/// steps differ; closed curves with a smooth seam are periodic.
+/// X ← X exp(δ^), with analytic Jacobians. Chordal E_0, E_1, skew E_2, with the forms of docs/errata.md#s-3
+/// where steps differ; closed curves with a smooth seam are periodic.
 /// @return `scan` with its frames replaced.
 /// @throws InvalidInput when a weight is negative or neighbouring frames differ by a right angle or more
 /// (where the skew form of E_2 is not monotone), SolverFailure, Cancelled.

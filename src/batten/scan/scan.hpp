@@ -8,7 +8,7 @@
 
 namespace batten {
 
-/// What the tangent of reading i means (METHODS 4).
+/// What the tangent of reading i means (docs/methods.md#positions).
 enum class TangentConvention {
   Auto,      ///< tell the two apart from the data (T·N and closure); the report says which was taken
   AtSample,  ///< the direction of the curve at the reading: what a device measures

@@ -19,7 +19,7 @@ struct DeviceAxes {
   Eigen::Vector3d normal{0, 0, 1};   ///< away from the surface, in device axes; unit, at right angles
 
   /// The rotation whose columns are forward, normal, forward × normal in device axes: it maps coordinates in
-  /// the Darboux frame to device coordinates (METHODS 0).
+  /// the Darboux frame to device coordinates (docs/methods.md#conventions).
   Eigen::Matrix3d matrix() const;
 };
 

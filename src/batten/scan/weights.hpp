@@ -29,7 +29,8 @@ RegressionWeights choose_weights(const SampledScan& scan, double size, const Reg
 /// μ = σ²/bending, with σ² the variance of one sample.
 RegressionWeights weights_of(const NoiseModel& noise, double readings_per_sample);
 
-/// The same smoothing in the other energy: λ' = λ h, μ' = μ h (METHODS 3), h the mean step in sizes.
+/// The same smoothing in the other energy: λ' = λ h, μ' = μ h (docs/methods.md#regression), h the mean step
+/// in sizes.
 inline double scaled_weight(double thesis_weight, double step) {
   return thesis_weight * step;
 }

@@ -54,8 +54,8 @@ class CostQueue {
   std::size_t current_ = 0;  ///< buckets up to this one are in the heap
 };
 
-/// Greedy edge collapses by memoryless quadrics: the planes are those of the faces as they are now (Lindstrom
-/// and Turk 1998), not of the input (Garland and Heckbert 1997), with the volume held by every collapse.
+/// Greedy edge collapses by memoryless quadrics: the planes are those of the faces as they are now
+/// [lindstrom1998], not of the input [garland1997], with the volume held by every collapse.
 class Decimator {
  public:
   Decimator(HalfedgeMesh& mesh, FaceTree& tree, const DecimatorOptions& options);

@@ -10,7 +10,8 @@ namespace batten {
 enum class FlowWeight {
   Uniform,        ///< w1: 1
   InverseLength,  ///< w2: 1/(ε + |e|), lengths relative to their mean
-  Curvature,  ///< w3: exp(−|H_i − H_j|²/σ), H scaled to largest magnitude 1; not normalised (ERRATA)
+  Curvature,      ///< w3: exp(−|H_i − H_j|²/σ), H scaled to largest magnitude 1; not normalised
+                  ///< (docs/errata.md#h-2-94)
 };
 
 /// Options of p_laplacian_flow(). Lengths are measured in mean edge lengths, so that nothing depends on
@@ -29,9 +30,9 @@ struct PLaplacianOptions {
   std::optional<std::string> problem() const;
 };
 
-/// The p-Laplacian flow of the vertex positions of a mesh, H (2.98) with the signs put right (ERRATA H 2.4):
-/// (I + dt L_p + dt Λ) X' = X + dt Λ X⁰, with L_p of (2.95) rebuilt from X in every step. All three
-/// coordinates share one matrix (2.96), symmetric positive definite.
+/// The p-Laplacian flow of the vertex positions of a mesh, H (2.98) with the signs put right
+/// (docs/errata.md#h-2-98): (I + dt L_p + dt Λ) X' = X + dt Λ X⁰, with L_p of (2.95) rebuilt from X in every
+/// step. All three coordinates share one matrix (2.96), symmetric positive definite.
 /// @return n × 3 positions; vertices without faces and on the border stay.
 /// @throws InvalidInput on bad options; SolverFailure.
 Points p_laplacian_flow(const Points& positions, const Triangles& triangles,

@@ -77,8 +77,8 @@ struct SimplifyResult {
 
 /// Reduces the number of faces of a triangle mesh.
 ///
-/// Edges are collapsed in the order of the volume and area they disturb (memoryless quadrics after Lindstrom
-/// and Turk 1998, which hold the enclosed volume); the result is then fitted to the input in the
+/// Edges are collapsed in the order of the volume and area they disturb (memoryless quadrics after
+/// [lindstrom1998], which hold the enclosed volume); the result is then fitted to the input in the
 /// least-squares sense. No collapse, move or flip folds a face, makes it degenerate, or makes it touch
 /// another: what does not intersect itself does not after. Topology and borders are kept.
 /// Values per vertex and normals are dropped.

@@ -19,7 +19,7 @@ constexpr int kNone = HalfedgeMesh::kNone;
 constexpr double kLeastCosine = 0.2;   ///< between the normals of a face before and after a step
 constexpr double kLeastHeight = 0.02;  ///< of a triangle over its longest edge, unless it was worse before
 
-/// Closest point of a triangle; after Ericson, Real-Time Collision Detection (2005), 5.1.5.
+/// Closest point of a triangle; after [ericson2005], 5.1.5.
 double nearest_on_triangle(const Vector3d& p, const Vector3d& a, const Vector3d& b, const Vector3d& c,
                            double* w) {
   const Vector3d ab = b - a, ac = c - a, ap = p - a;

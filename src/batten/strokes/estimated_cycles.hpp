@@ -19,10 +19,9 @@ struct EstimatedCycles {
   std::vector<std::string> warnings;  ///< places that could be read otherwise, in words
 };
 
-/// Finds the patches of a network from its curves alone (after Zhuang, Zou, Carr and Ju, "A general and
-/// efficient method for finding cycles in 3D curve networks", 2013). Every node gets an order of the curves
-/// around it. An order costs what its sectors turn in all beyond the least possible; two nodes with a curve
-/// between them cost the angles between the patches at its one end, carried along the curve by a
+/// Finds the patches of a network from its curves alone (after [zhuang2013]). Every node gets an order of the
+/// curves around it. An order costs what its sectors turn in all beyond the least possible; two nodes with a
+/// curve between them cost the angles between the patches at its one end, carried along the curve by a
 /// rotation-minimising frame, and those at its other end. The orders of least cost are sought from the surest
 /// node outwards, then by changing single nodes and by turning over groups of nodes that the curves between
 /// them leave free; orders that make more patches (a simpler surface) are preferred slightly. Surfaces are

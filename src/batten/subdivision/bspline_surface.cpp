@@ -1,5 +1,5 @@
 // Catmull–Clark limit surfaces as bicubic B-splines. A control point of a B-spline with simple inner knots a
-// ≤ b ≤ c is the polar form (blossom) of the polynomial of a nearby cell at (a, b, c) (Ramshaw 1989); the
+// ≤ b ≤ c is the polar form (blossom) of the polynomial of a nearby cell at (a, b, c) [ramshaw1989]; the
 // cells are the uniform B-splines that adaptive refinement leaves, so nothing is fitted where the surface is
 // regular.
 #include "batten/subdivision/bspline_surface.hpp"

@@ -1,5 +1,5 @@
-// Catmull–Clark subdivision with semi-sharp creases by OpenSubdiv: Catmull and Clark 1978; DeRose, Kass and
-// Truong 1998; limit masks Halstead, Kass and DeRose 1993. The only source that includes OpenSubdiv.
+// Catmull–Clark subdivision with semi-sharp creases by OpenSubdiv: [catmull1978], [derose1998]; limit
+// masks [halstead1993]. The only source that includes OpenSubdiv.
 #include <algorithm>
 #include <cmath>
 #include <memory>

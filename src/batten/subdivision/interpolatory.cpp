@@ -1,5 +1,5 @@
-// Interpolatory subdivision of quad meshes with a knot interval per edge, after Beccari, Casciola and Romani
-// (2008, 2013): four-point rules along rows of vertices and of edge points. H 6.3.1 cites it without its
+// Interpolatory subdivision of quad meshes with a knot interval per edge, after [beccari2008] and
+// [beccari2013]: four-point rules along rows of vertices and of edge points. H 6.3.1 cites it without its
 // rules; those written here stand in docs/subdivide.md with the source of each.
 #include <algorithm>
 #include <cmath>
@@ -327,7 +327,7 @@ Row polygon_point(const Level& level, const EdgePoints& edges, int face) {
 }
 
 /// The Coons patch of the polylines of a quad, at the means of the parameters of opposite edge points, both
-/// read in the same sense (H 6.3.1, ERRATA 6.3.1). False when an edge has no polyline.
+/// read in the same sense (H 6.3.1, docs/errata.md#h-6-3-1). False when an edge has no polyline.
 bool coons_point(const Level& level, const EdgePoints& edges, int face, Row& point) {
   const int first = level.mesh.offsets[at(face)];
   const Points* curve[4];

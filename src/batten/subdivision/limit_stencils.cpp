@@ -1,5 +1,5 @@
-// Limit masks of Catmull–Clark in closed form: Halstead, Kass and DeRose 1993; with creases and borders
-// Biermann, Levin and Zorin 2000; semi-sharp edges by DeRose, Kass and Truong 1998.
+// Limit masks of Catmull–Clark in closed form: [halstead1993]; with creases and borders
+// [biermann2000]; semi-sharp edges by [derose1998].
 #include "batten/subdivision/limit_stencils.hpp"
 
 #include <algorithm>

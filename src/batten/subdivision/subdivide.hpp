@@ -28,7 +28,7 @@ struct SubdivisionOptions {
   /// Round off the corners of the border (vertices of one face alone). Off: they stay where they are.
   bool smooth_corners = false;
   /// Schemes Nuliss and NulissMod: a knot interval is the length of an edge to this power. 0 uniform, 0.5
-  /// centripetal (Lee 1989), 1 by chord length; 0.5 follows edges of very different lengths best.
+  /// centripetal [lee1989], 1 by chord length; 0.5 follows edges of very different lengths best.
   double knot_exponent = 0.5;
 
   /// The first problem found, naming field and value, or nothing.

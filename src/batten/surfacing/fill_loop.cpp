@@ -211,7 +211,7 @@ std::array<Eigen::Vector2d, 3> laid_out(const std::array<double, 3>& l) {
 }
 
 /// Puts vertices into triangles above the area or far from equilateral until there are none, flipping to
-/// Delaunay after every round (Liepa 2003, in the metric of the coarse triangles instead of in space).
+/// Delaunay after every round ([liepa2003], in the metric of the coarse triangles instead of in space).
 void refine(Intrinsic& mesh, double edge) {
   const double max_area = 0.5 * edge * edge;
   for (int round = 0; round < 40; ++round) {

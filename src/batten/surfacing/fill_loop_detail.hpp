@@ -8,8 +8,8 @@
 namespace batten::detail {
 
 /// Fills the loops of a cycle with triangles in space: loops joined by their shortest bridges, the polygon
-/// triangulated with the least area turned away from the given normals (dynamic programming, after Barequet,
-/// Sharir 1995 and Zou, Ju, Carr 2013), then refined to edges of about `edge` and made Delaunay (Liepa 2003).
+/// triangulated with the least area turned away from the given normals (dynamic programming, after
+/// [barequet1995] and [zou2013]), then refined to edges of about `edge` and made Delaunay [liepa2003].
 /// @return false with half a sentence in `problem` where no manifold filling was found.
 bool fill_loops(const Points& positions, const Points& normals, const NetworkCycle& cycle, double edge,
                 PatchMesh& mesh, std::string& problem);

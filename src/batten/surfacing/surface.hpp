@@ -12,7 +12,7 @@
 
 namespace batten {
 
-/// How the surface is made (METHODS 6).
+/// How the surface is made (docs/methods.md#surfacing).
 enum class SurfaceMethod {
   Curvature,          ///< S 4.5: mean curvature from propagated normals; follows positions and normals
   Harmonic,           ///< baseline LX = 0

@@ -304,7 +304,7 @@ class Mesher {
 };
 
 /// Evens the triangles out: inner vertices move to the area-weighted mean of the circumcentres around them
-/// (optimal Delaunay triangulation, Chen 2004), where that turns no triangle over, and edges flip to
+/// (optimal Delaunay triangulation [chen2004]), where that turns no triangle over, and edges flip to
 /// Delaunay.
 void smooth(Tessellation& mesh, Eigen::Index n_corners, const std::vector<int>& pinned, int rounds) {
   const Eigen::Index n = mesh.vertices.rows();
