@@ -1,37 +1,48 @@
 #include "batten/core/stage_times.hpp"
 
+#include <string>
+#include <utility>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 namespace batten {
 namespace {
 
-TEST(StageTimes, AddUpByStageInTheOrderOfTheFirstRun) {
+using Stages = std::vector<std::pair<std::string, double>>;
+
+// Powers of two add without rounding, so that sums are exact.
+TEST(StageTimes, AddsUpWhatRunsAgainAndKeepsTheOrderOfTheFirstRuns) {
   StageTimes times;
-  EXPECT_EQ(times.total(), 0);
-  times.add("read", 1);
+  times.add("solve", 1);
+  times.add("assembly", 0.5);
   times.add("solve", 2);
-  times.add("read", 0.5);
-  ASSERT_EQ(times.stages().size(), 2U);
-  EXPECT_EQ(times.stages()[0], std::make_pair(std::string("read"), 1.5));
-  EXPECT_EQ(times.stages()[1], std::make_pair(std::string("solve"), 2.0));
-  StageTimes others;
-  others.add("write", 4);
-  others.add("solve", 1);
-  times.add(others);
-  EXPECT_EQ(times.total(), 8.5);
-  EXPECT_EQ(times.stages()[1].second, 3);
-  EXPECT_EQ(times.stages()[2].first, "write");
+  EXPECT_EQ(times.stages(), (Stages{{"solve", 3}, {"assembly", 0.5}}));
+  EXPECT_EQ(times.total(), 3.5);
 }
 
-TEST(ScopedStage, AddsItsLifeWhenItEndsAndNotBefore) {
+TEST(StageTimes, TakesOverTheStagesOfAnother) {
+  StageTimes times, part;
+  times.add("solve", 1);
+  part.add("assembly", 4);
+  part.add("solve", 8);
+  times.add(part);
+  EXPECT_EQ(times.stages(), (Stages{{"solve", 9}, {"assembly", 4}}));
+  EXPECT_EQ(StageTimes().total(), 0);
+}
+
+TEST(StageTimes, AScopeAddsItsOwnLife) {
   StageTimes times;
   {
-    const ScopedStage stage(times, "work");
-    EXPECT_TRUE(times.stages().empty());
+    const ScopedStage outer(times, "outer");
+    const ScopedStage inner(times, "inner");
+    EXPECT_TRUE(times.stages().empty());  // nothing before the scope ends
   }
-  ASSERT_EQ(times.stages().size(), 1U);
-  EXPECT_EQ(times.stages()[0].first, "work");
+  ASSERT_EQ(times.stages().size(), 2U);
+  EXPECT_EQ(times.stages()[0].first, "inner");  // destroyed first
+  EXPECT_EQ(times.stages()[1].first, "outer");
   EXPECT_GE(times.stages()[0].second, 0);
+  EXPECT_GE(times.stages()[1].second, times.stages()[0].second);  // it encloses the other
 }
 
 }  // namespace

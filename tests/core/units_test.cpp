@@ -15,6 +15,17 @@ TEST(Units, LengthsInTheUnitOfTheFile) {
   EXPECT_DOUBLE_EQ(parse_length("1e-2m").in_file_units(4), 0.01);
 }
 
+// The inch is 25.4 mm by definition (1959), a foot 12 of them.
+TEST(Units, EveryUnitOfLengthInMetres) {
+  struct Known {
+    const char* text;
+    double metres;
+  };
+  for (const Known& known : {Known{"1um", 1e-6}, Known{"1mm", 1e-3}, Known{"1cm", 1e-2}, Known{"1m", 1.0},
+                             Known{"1km", 1e3}, Known{"1in", 0.0254}, Known{"1ft", 12 * 0.0254}})
+    EXPECT_DOUBLE_EQ(parse_length(known.text).in_file_units(4), known.metres) << known.text;
+}
+
 TEST(Units, AnglesAndFractions) {
   EXPECT_DOUBLE_EQ(parse_angle("180deg"), kPi);
   EXPECT_DOUBLE_EQ(parse_angle("90"), kPi / 2);
@@ -24,7 +35,7 @@ TEST(Units, AnglesAndFractions) {
 }
 
 TEST(Units, SaysWhatWouldHaveBeenRight) {
-  for (const char* bad : {"", "mm", "1 furlong", "nan", "inf%", "1..2"}) {
+  for (const char* bad : {"", "mm", "1 furlong", "nan", "inf%", "1..2", "1e999", "1e999mm"}) {
     EXPECT_THROW(parse_length(bad), InvalidInput) << bad;
   }
   EXPECT_THROW(parse_angle("2mm"), InvalidInput);

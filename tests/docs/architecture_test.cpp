@@ -1,3 +1,5 @@
+#include "docs/documents.hpp"
+
 #include <map>
 #include <set>
 #include <sstream>
@@ -6,13 +8,11 @@
 
 #include <gtest/gtest.h>
 
-#include "docs/documents.hpp"
-
 namespace batten::test {
 namespace {
 
-/// The drawing and the table that docs/architecture.md has to hold. An arrow goes from a room to one that uses it;
-/// arrows that others imply are left out, or nobody could read the drawing.
+/// The drawing and the table that docs/architecture.md has to hold. An arrow goes from a room to one that
+/// uses it; arrows that others imply are left out, or nobody could read the drawing.
 std::string expected_drawing(const std::vector<Room>& all) {
   std::map<std::string, std::set<std::string>> reach;  // what a room uses, directly or not
   for (const Room& room : all)                         // in order: what is used stands above
@@ -55,7 +55,8 @@ TEST(Architecture, RoomsUseOnlyRoomsAboveThem) {
   std::set<std::string> above;
   for (const Room& room : rooms()) {
     EXPECT_FALSE(room.purpose.empty()) << room.name;
-    for (const std::string& used : room.uses) EXPECT_EQ(above.count(used), 1U) << room.name << " uses " << used;
+    for (const std::string& used : room.uses)
+      EXPECT_EQ(above.count(used), 1U) << room.name << " uses " << used;
     above.insert(room.name);
   }
 }

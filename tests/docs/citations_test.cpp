@@ -1,3 +1,5 @@
+#include "docs/documents.hpp"
+
 #include <filesystem>
 #include <map>
 #include <regex>
@@ -7,8 +9,6 @@
 #include <vector>
 
 #include <gtest/gtest.h>
-
-#include "docs/documents.hpp"
 
 namespace batten::test {
 namespace {

@@ -1,9 +1,9 @@
+#include "docs/documents.hpp"
+
 #include <filesystem>
 #include <string>
 
 #include <gtest/gtest.h>
-
-#include "docs/documents.hpp"
 
 namespace batten::test {
 namespace {

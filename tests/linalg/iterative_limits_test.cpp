@@ -1,0 +1,156 @@
+// What all iterative solvers promise at the edges: warm starts, several columns, limits, numbers that are not finite.
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "batten/core/error.hpp"
+#include "batten/core/random.hpp"
+#include "batten/linalg/iterative.hpp"
+
+namespace batten {
+namespace {
+
+SparseMatrix random_sparse(int rows, int columns, std::uint64_t seed) {
+  Random random(seed);
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int i = 0; i < rows; ++i) {
+    entries.emplace_back(i, i % columns, 4.0);
+    for (int k = 0; k < 3; ++k) entries.emplace_back(i, random.below(columns), random.normal());
+  }
+  SparseMatrix A(rows, columns);
+  A.setFromTriplets(entries.begin(), entries.end());
+  return A;
+}
+
+const IterativeOptions kTight{.tolerance = 1e-11, .max_iterations = 2000};
+
+/// The three solvers by one name: all keep the same promises.
+enum class Solver { ConjugateGradients, Gmres, Lsqr };
+constexpr Solver kSolvers[] = {Solver::ConjugateGradients, Solver::Gmres, Solver::Lsqr};
+
+IterativeReport solve_by(Solver solver, const SparseMatrix& A, const Eigen::MatrixXd& B, Eigen::MatrixXd& X,
+                         const IterativeOptions& options) {
+  switch (solver) {
+    case Solver::ConjugateGradients:
+      return solve_conjugate_gradients(A, B, X, "test", options);
+    case Solver::Gmres:
+      return solve_gmres(A, B, X, "test", options);
+    case Solver::Lsqr:
+      return solve_lsqr(A, B, X, "test", options);
+  }
+  return {};
+}
+
+/// Symmetric, positive definite by its diagonal, and with rows so far apart that no incomplete factor is
+/// exact.
+SparseMatrix scattered(int n) {
+  const SparseMatrix R = random_sparse(n, n, 4);
+  SparseMatrix identity(n, n);
+  identity.setIdentity();
+  return SparseMatrix(R.transpose() * R) + 0.1 * identity;
+}
+
+// The residual of the report is that of the solution, worked out again here.
+TEST(Iterative, SaysWhenItDidNotConverge) {
+  const SparseMatrix A = scattered(400);
+  const Eigen::MatrixXd B = Eigen::MatrixXd::Random(400, 1);
+  for (const Solver solver : kSolvers) {
+    Eigen::MatrixXd X;
+    const IterativeReport report = solve_by(solver, A, B, X, {.tolerance = 1e-14, .max_iterations = 1});
+    EXPECT_FALSE(report.converged);
+    EXPECT_EQ(report.iterations, 1);
+    const Eigen::MatrixXd r = B - A * X;
+    const double residual =
+        solver == Solver::Lsqr ? (A.transpose() * r).norm() / (A.transpose() * B).norm() : r.norm() / B.norm();
+    EXPECT_NEAR(report.residual, residual, 1e-9 * residual);
+    EXPECT_GT(residual, 1e-13);
+  }
+}
+
+// 40 unknowns take about 40 steps: more than a handful, fewer than the 90 that max_iterations = 0 stands for.
+TEST(Iterative, AllowsTwiceTheUnknownsByDefault) {
+  const SparseMatrix A = random_sparse(90, 40, 3);
+  Eigen::MatrixXd X;
+  const IterativeReport report =
+      solve_lsqr(A, Eigen::MatrixXd::Random(90, 1), X, "test", {.tolerance = 1e-10, .max_iterations = 0});
+  EXPECT_TRUE(report.converged);
+  EXPECT_GT(report.iterations, 10);
+  EXPECT_LE(report.iterations, 90);
+}
+
+// Three columns: one begins at its solution, one is zero, one has everything to do. Each is solved, and the
+// report speaks of the slowest, in whichever order they come.
+TEST(Iterative, StartsWhereItIsToldAndReportsTheSlowestColumn) {
+  const SparseMatrix A = scattered(60);
+  const Eigen::VectorXd x = Eigen::VectorXd::Random(60);
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(60);
+  for (const Solver solver : kSolvers) {
+    Eigen::MatrixXd alone(60, 1);
+    alone.col(0).setZero();
+    const int slowest = solve_by(solver, A, A * x, alone, kTight).iterations;
+    EXPECT_GT(slowest, 2);
+    for (const bool hard_first : {true, false}) {
+      Eigen::MatrixXd B(60, 3), X(60, 3), expected(60, 3);
+      B << zero, zero, A * x;
+      X << zero, zero, zero;
+      expected << zero, zero, x;
+      B.col(1) = A * (2 * x);
+      X.col(1) = expected.col(1) = 2 * x;
+      if (hard_first) {
+        B.col(0).swap(B.col(2));
+        X.col(0).swap(X.col(2));
+        expected.col(0).swap(expected.col(2));
+      }
+      const IterativeReport report = solve_by(solver, A, B, X, kTight);
+      EXPECT_TRUE(report.converged);
+      EXPECT_EQ(report.iterations, slowest);
+      EXPECT_LT((X - expected).norm(), 1e-7);
+      X = expected;  // all at their solutions: nothing to do
+      EXPECT_LE(solve_by(solver, A, B, X, kTight).iterations, 1);
+      EXPECT_LT((X - expected).norm(), 1e-7);
+    }
+  }
+}
+
+// One column that cannot converge makes the whole not converged, also when an easy one follows.
+TEST(Iterative, OneColumnThatFailsIsReported) {
+  const SparseMatrix A = scattered(400);
+  const Eigen::VectorXd x = Eigen::VectorXd::Random(400);
+  for (const Solver solver : kSolvers) {
+    Eigen::MatrixXd B(400, 2), X = Eigen::MatrixXd::Zero(400, 2);
+    B << A * x, A * x;
+    X.col(1) = x;
+    EXPECT_FALSE(solve_by(solver, A, B, X, {.tolerance = 1e-14, .max_iterations = 1}).converged);
+  }
+}
+
+TEST(Iterative, RefusesNumbersThatAreNotFinite) {
+  SparseMatrix A = scattered(20);
+  Eigen::MatrixXd B = Eigen::MatrixXd::Ones(20, 1);
+  B(3) = std::nan("");
+  for (const Solver solver : kSolvers) {
+    Eigen::MatrixXd X;
+    EXPECT_THROW(solve_by(solver, A, B, X, kTight), SolverFailure);
+  }
+}
+
+// From a start that is right to six digits the other five cost less than all eleven; nothing asks for digits that
+// are not there.
+TEST(Iterative, AGoodStartSavesIterations) {
+  const SparseMatrix A = scattered(200);
+  const Eigen::MatrixXd x = Eigen::MatrixXd::Random(200, 1), b = A * x;
+  for (const Solver solver : kSolvers) {
+    Eigen::MatrixXd cold = Eigen::MatrixXd::Zero(200, 1), warm = x + 1e-6 * Eigen::MatrixXd::Random(200, 1);
+    const IterativeReport from_zero = solve_by(solver, A, b, cold, kTight);
+    const IterativeReport from_near = solve_by(solver, A, b, warm, kTight);
+    EXPECT_TRUE(from_zero.converged);
+    EXPECT_TRUE(from_near.converged);
+    EXPECT_LT(from_near.iterations, from_zero.iterations);
+  }
+}
+
+}  // namespace
+}  // namespace batten

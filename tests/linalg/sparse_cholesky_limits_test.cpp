@@ -1,0 +1,82 @@
+// What a factor refuses, which backend it takes, and how matrices may be stored.
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "batten/core/error.hpp"
+#include "batten/linalg/sparse_cholesky.hpp"
+
+namespace batten {
+namespace {
+
+/// The five-point Laplacian of an n × n grid with fixed borders: positive definite.
+SparseMatrix grid_laplacian(int n) {
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int i = 0; i < n; ++i) {
+    for (int j = 0; j < n; ++j) {
+      const int k = i * n + j;
+      entries.emplace_back(k, k, 4);
+      if (i + 1 < n) entries.emplace_back(k, k + n, -1), entries.emplace_back(k + n, k, -1);
+      if (j + 1 < n) entries.emplace_back(k, k + 1, -1), entries.emplace_back(k + 1, k, -1);
+    }
+  }
+  SparseMatrix A(n * n, n * n);
+  A.setFromTriplets(entries.begin(), entries.end());
+  return A;
+}
+
+std::vector<CholeskyBackend> backends() {
+  std::vector<CholeskyBackend> list{CholeskyBackend::Auto, CholeskyBackend::Eigen};
+  if (SparseCholesky::has_cholmod()) list.push_back(CholeskyBackend::Cholmod);
+  return list;
+}
+
+TEST(SparseCholesky, RefusesRightSidesOfAnotherSizeOrNotFinite) {
+  for (const CholeskyBackend backend : backends()) {
+    SparseCholesky solver("grid", backend);
+    solver.factorize(grid_laplacian(4));
+    EXPECT_EQ(solver.unknowns(), 16);
+    EXPECT_THROW(solver.solve(Eigen::VectorXd::Ones(15)), SolverFailure);
+    EXPECT_THROW(solver.solve(Eigen::VectorXd::Ones(17)), SolverFailure);
+    Eigen::VectorXd b = Eigen::VectorXd::Ones(16);
+    b[7] = std::nan("");
+    EXPECT_THROW(solver.solve(b), SolverFailure);
+    EXPECT_NO_THROW(solver.solve(Eigen::VectorXd::Ones(16)));  // the factor is as before
+  }
+}
+
+// A matrix under construction has gaps between its columns; a factor must not read them.
+TEST(SparseCholesky, TakesMatricesThatAreNotCompressed) {
+  for (const CholeskyBackend backend : backends()) {
+    SparseMatrix A(30, 30);
+    A.reserve(Eigen::VectorXi::Constant(30, 8));
+    for (int i = 0; i < 30; ++i) A.insert(i, i) = 4;
+    for (int i = 1; i < 30; ++i) A.insert(i, i - 1) = -1;
+    ASSERT_FALSE(A.isCompressed());
+    SparseMatrix compressed = A;
+    compressed.makeCompressed();
+    SparseCholesky loose("loose", backend), dense("compressed", backend);
+    loose.factorize(A);
+    dense.factorize(compressed);
+    const Eigen::VectorXd b = Eigen::VectorXd::LinSpaced(30, 1, 2);
+    EXPECT_EQ(loose.solve(b), dense.solve(b));
+  }
+}
+
+TEST(SparseCholesky, AutoTakesCholmodForLargeSystemsOnly) {
+  const auto chosen = [](Eigen::Index n) {
+    SparseMatrix A(n, n);
+    A.setIdentity();
+    SparseCholesky solver("identity");
+    solver.factorize(A);
+    return solver.backend();
+  };
+  const CholeskyBackend large =
+      SparseCholesky::has_cholmod() ? CholeskyBackend::Cholmod : CholeskyBackend::Eigen;
+  EXPECT_EQ(chosen(SparseCholesky::kCholmodFrom), large);
+  EXPECT_EQ(chosen(SparseCholesky::kCholmodFrom - 1), CholeskyBackend::Eigen);
+}
+
+}  // namespace
+}  // namespace batten
