@@ -32,11 +32,11 @@ constexpr auto choices_of(ModelSurfaceMethod) {
 struct ModelSurfaceOptions {
   ModelSurfaceMethod method = ModelSurfaceMethod::Diffusion;
   /// Of the flow of Diffusion and Filled; Filled makes one split more, as filling refines no further.
-  DiffusionOptions diffusion;
+  DiffusionOptions diffusion{};
   /// Levels of subdivision of the finished surface, 0 to 6, of every method but Filled; each makes four times
   /// as many triangles. `coons.levels` is overwritten by it.
   int levels = 3;
-  CoonsOptions coons;  ///< of Coons
+  CoonsOptions coons{};  ///< of Coons
   /// Off: only the cage of the limit surface is made, which is what CAD files hold.
   bool with_mesh = true;
   /// The first problem found, naming field and value, or nothing.
