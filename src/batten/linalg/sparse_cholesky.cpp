@@ -246,19 +246,19 @@ bool SparseCholesky::has_cholmod() {
 }
 
 void SparseCholesky::factorize(const SparseMatrix& A, const Progress& progress) {
+  if (!try_factorize(A, progress)) throw SolverFailure(implementation_->system, A.rows());
+}
+
+bool SparseCholesky::try_factorize(const SparseMatrix& A, const Progress& progress) {
   Implementation& self = *implementation_;
   self.ready = false;
   self.unknowns = A.rows();
   if (A.rows() != A.cols()) throw SolverFailure(self.system, A.rows());
-  if (A.rows() == 0) {
-    self.ready = true;
-    return;
-  }
+  if (A.rows() == 0) return self.ready = true;
   if (!A.isCompressed()) {
     SparseMatrix compressed = A;
     compressed.makeCompressed();
-    factorize(compressed, progress);
-    return;
+    return try_factorize(compressed, progress);
   }
   const CholeskyBackend wanted =
       has_cholmod() && (self.requested == CholeskyBackend::Cholmod ||
@@ -276,10 +276,9 @@ void SparseCholesky::factorize(const SparseMatrix& A, const Progress& progress) 
   if (!same_pattern) self.pattern.take(A);
   // Taken out until it is whole: what is cancelled belongs to the thread that still fills it.
   std::shared_ptr<Factor> factor = std::exchange(self.factor, nullptr);
-  if (!run_factorization(factor, A, same_pattern, wanted, progress))
-    throw SolverFailure(self.system, A.rows());
+  self.ready = run_factorization(factor, A, same_pattern, wanted, progress);
   self.factor = std::move(factor);
-  self.ready = true;
+  return self.ready;
 }
 
 Eigen::MatrixXd SparseCholesky::solve(const Eigen::MatrixXd& B) const {

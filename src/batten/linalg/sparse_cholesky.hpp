@@ -45,6 +45,9 @@ class SparseCholesky {
   /// @throws SolverFailure when A is singular, indefinite or not finite; Cancelled, and nothing is factorised
   /// then.
   void factorize(const SparseMatrix& A, const Progress& progress = {});
+  /// The same for a matrix that may be indefinite, as Newton's method meets them. @return false, and nothing
+  /// to solve with, when A is not positive definite; the ordering is kept either way.
+  bool try_factorize(const SparseMatrix& A, const Progress& progress = {});
 
   /// X with A X = B, for any number of columns. @pre factorize() has succeeded.
   /// @throws SolverFailure when the result is not finite.

@@ -34,10 +34,11 @@ RegressionWeights choose_weights(const SampledScan& scan, double size, const Reg
   options.unit = size;
   const double h = mean_step(scan) / size;
   const double factor = options.energy == RegressionEnergy::Scaled ? h : 1;
+  FrameRegression regression(scan);
   const auto network = [&](double lambda, double mu) {
     options.lambda = factor * lambda;
     options.mu = factor * mu;
-    const SampledScan smooth = regress_frames(scan, options, nullptr, progress);
+    const SampledScan smooth = regression.solve(options, nullptr, progress);
     return integrate_steps(smooth, frame_steps(smooth, rule), form);
   };
   double readings = 0;
