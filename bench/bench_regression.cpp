@@ -3,10 +3,14 @@
 #include "memory.hpp"
 #include "scan_networks.hpp"
 
+#include <algorithm>
+#include <ctime>
+
 #include <benchmark/benchmark.h>
 
 #include "batten/scan/joint.hpp"
 #include "batten/scan/prefilter.hpp"
+#include "batten/scan/reconstruct.hpp"
 #include "batten/scan/regression.hpp"
 
 #ifdef BATTEN_BENCH_CERES
@@ -277,6 +281,50 @@ void joint(benchmark::State& state) {
   state.counters["evaluations"] = estimate.evaluations;
 }
 BENCHMARK(joint)->Arg(1500)->Arg(15000)->Arg(150000)->Iterations(1)->Unit(benchmark::kMillisecond);
+
+/// Twenty positions of a slider for μ, followed by a kept solver, beside one cold regression and one network
+/// from nothing at its first position, all robust. Medians, so that a disturbed step does not count.
+void slider(benchmark::State& state) {
+  constexpr int kPositions = 20;
+  const SampledScan samples = samples::grid_of(state.range(0), Growth::Network);
+  const Scan scan = readings_of(samples);
+  ScanOptions options;
+  options.step.reset();
+  options.weights = WeightChoice::Given;
+  options.mu = 1e-6;
+  RegressionOptions regression;
+  regression.mu = options.mu;
+  regression.unit = 2.8;  // about the size
+  regression.robust = true;
+  const auto median_of = [](std::vector<double> seconds) {
+    std::nth_element(seconds.begin(), seconds.begin() + seconds.size() / 2, seconds.end());
+    return seconds[seconds.size() / 2];
+  };
+  const auto seconds_of = [](const auto& work) {
+    const std::clock_t start = std::clock();
+    work();
+    return static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+  };
+  std::vector<double> steps, regressions, networks;
+  for (auto _ : state) {
+    ReconstructionSolver solver(scan);
+    solver.solve(options);
+    ScanOptions moved = options;
+    for (int i = 0; i < kPositions; ++i) {
+      moved.mu *= 1.1;
+      steps.push_back(seconds_of([&] { benchmark::DoNotOptimize(solver.follow(moved)); }));
+      if (i % 4 != 0) continue;
+      regressions.push_back(
+          seconds_of([&] { benchmark::DoNotOptimize(regress_frames(samples, regression)); }));
+      networks.push_back(seconds_of([&] { benchmark::DoNotOptimize(network_from_scan(scan, options)); }));
+    }
+  }
+  report(state, samples);
+  state.counters["step_ms"] = 1e3 * median_of(steps);
+  state.counters["of_a_cold_regression"] = median_of(steps) / median_of(regressions);
+  state.counters["of_a_cold_network"] = median_of(steps) / median_of(networks);
+}
+BENCHMARK(slider)->Arg(1500)->Iterations(3)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace batten

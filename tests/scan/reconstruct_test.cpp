@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "batten/core/error.hpp"
+#include "batten/core/random.hpp"
 
 namespace batten {
 namespace {
@@ -133,6 +134,54 @@ TEST(NetworkFromScan, DoesNotDependOnOrderUnitOrientationAndDirection) {
   const ScanNetwork reversed = network_from_scan(backwards);
   for (int c = 0; c < n; ++c)
     EXPECT_LT((points(reversed, c, true) - points(reference, c, false)).norm(), 1e-8 * size);
+}
+
+/// Options drawn like the positions of sliders: a coarse scan, so that many can be tried.
+ScanOptions drawn_options(Random& random) {
+  ScanOptions options;
+  options.weights = WeightChoice::Given;
+  options.energy = random.below(2) == 0 ? RegressionEnergy::Thesis : RegressionEnergy::Scaled;
+  options.lambda = std::pow(10, 4 * random.uniform() - 6);
+  options.mu = std::pow(10, 4 * random.uniform() - 8);
+  options.sigma = 0.2 + 0.2 * static_cast<double>(random.below(3));
+  options.step = relative(0.05 + 0.01 * static_cast<double>(random.below(3)));
+  options.robust = random.below(2) == 0;
+  return options;
+}
+
+/// The greatest distance between vertices of two networks of one scan, in sizes.
+double difference(const ScanNetwork& a, const ScanNetwork& b) {
+  if (a.network.positions.rows() != b.network.positions.rows()) return 1;
+  return (a.network.positions - b.network.positions).rowwise().norm().maxCoeff() / a.report.size;
+}
+
+TEST(ReconstructionSolver, GivesWhatAFreshOneGivesAfterAThousandChanges) {
+  const Scan scan = simulate_scan(trace_shape(Shape::Torus), test::noisy_device(1)).scan;
+  ReconstructionSolver kept(scan);
+  Random random(5);
+  for (int i = 1; i <= 1000; ++i) {
+    const ScanOptions options = drawn_options(random);
+    kept.follow(options);
+    if (i % 200 != 0) continue;
+    EXPECT_LT(difference(kept.solve(options), network_from_scan(scan, options)), 1e-9);
+  }
+}
+
+TEST(ReconstructionSolver, FollowsASliderCloselyWithFewSteps) {
+  // Newton's steps square the error: a slider that multiplies μ by 1.25 at a time is followed within 0.1 % of
+  // the size, a third of what the network is wrong by.
+  const Scan scan = simulate_scan(trace_shape(Shape::Dish), test::noisy_device(1)).scan;
+  ReconstructionSolver kept(scan);
+  ScanOptions options;
+  options.weights = WeightChoice::Given;
+  options.mu = 1e-6;
+  kept.solve(options);
+  for (int i = 0; i < 20; ++i) {
+    options.mu *= 1.25;
+    const ScanNetwork moving = kept.follow(options);
+    EXPECT_LE(moving.report.iterations, 2);
+    EXPECT_LT(difference(moving, network_from_scan(scan, options)), 1e-3);
+  }
 }
 
 TEST(NetworkFromScan, RefusesBadOptions) {

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
+#include "batten/rotation/so3.hpp"
 #include "batten/scan/integration.hpp"
 #include "batten/scan/prefilter.hpp"
 #include "batten/scan/weights.hpp"
@@ -75,10 +77,9 @@ SampledScan jointly(const Scan& scan, const std::vector<CleanCurve>& clean, cons
   return estimate.scan;
 }
 
-SampledScan by_regression(const Scan& scan, const std::vector<CleanCurve>& clean,
-                          const PrefilterOptions& prefilter, const ScanOptions& options, StepRule rule,
-                          ClosureForm form, ScanReport& report, const Progress& progress) {
-  const SampledScan samples = resample(scan, clean, prefilter);
+/// Options of the plain regression of samples, with weights as the options say.
+RegressionOptions regression_options(const SampledScan& samples, const ScanOptions& options, StepRule rule,
+                                     ClosureForm form, ScanReport& report, const Progress& progress) {
   const double step = mean_step(samples) / report.size;
   RegressionOptions regression;
   regression.energy = options.energy;
@@ -114,11 +115,7 @@ SampledScan by_regression(const Scan& scan, const std::vector<CleanCurve>& clean
   }
   report.lambda = regression.lambda;
   report.mu = regression.mu;
-  RegressionReport result;
-  SampledScan smooth = regress_frames(samples, regression, &result, progress);
-  note_regression(samples, result, report);
-  report.factors.assign(samples.curves.size(), 1.0);
-  return smooth;
+  return regression;
 }
 
 /// Loops that close this well, relative to the length of a curve, were drawn or computed, not measured.
@@ -197,93 +194,9 @@ std::optional<std::string> ScanOptions::problem() const {
   return std::nullopt;
 }
 
-ScanNetwork network_from_scan(const Scan& given, const ScanOptions& options, const Progress& progress) {
-  if (const auto problem = options.problem()) throw InvalidInput(*problem);
-  ScanNetwork result;
-  ScanReport& report = result.report;
-  Scan converted;
-  std::vector<CleanCurve> clean;
-  SampledScan readings;
-  {
-    const ScopedStage stage(report.times, "prefilter");
-    progress.report("prefilter", 0);
-    check_scan(given);
-    report.convention = tangent_convention(given);
-    if (report.convention.uncertain)
-      report.warnings.push_back("it is not certain what the tangents mean: " + report.convention.reason +
-                                "; state it in the file if this is wrong");
-    if (report.convention.convention == TangentConvention::ToNext) converted = frames_at_samples(given);
-    const Scan& scan = report.convention.convention == TangentConvention::ToNext ? converted : given;
-    CleanOptions cleaning;
-    cleaning.robust = options.robust;
-    // Tangents to the next reading come from drawn curves: every one is needed to follow the others.
-    if (report.convention.convention == TangentConvention::ToNext) cleaning = {0, false};
-    clean = clean_readings(scan, cleaning, report.warnings);
-    for (const CleanCurve& curve : clean) {
-      report.outliers.push_back(curve.n_outliers);
-      report.n_duplicates += curve.n_duplicates;
-    }
-    for (const ScanCurve& curve : scan.curves) report.n_readings += curve.n_readings();
-    report.reading_noise = reading_noise(clean);
-    PrefilterOptions none;
-    readings = resample(scan, clean, none);
-    const IntegrationResult raw = integrate_steps(readings, frame_steps(readings, StepRule::ConstantRate),
-                                                  ClosureForm::FirstDifference);
-    report.size = scan_size(raw.positions);
-    report.closure_misfit_before = raw.closure_misfit;
-    report.n_loops = raw.n_loops;
-    if (!(report.size > 0)) throw InvalidInput("the scan has no size: all its points fall together");
-  }
-  const Scan& scan = report.convention.convention == TangentConvention::ToNext ? converted : given;
-  PrefilterOptions prefilter;
-  prefilter.sigma = options.sigma;
-  if (options.step) prefilter.step = options.step->in_file_units(report.size);
-  if (options.step && prefilter.step > 0.5 * report.size)
-    throw InvalidInput(concat("the step ", prefilter.step, " is more than half the size of the scan, ",
-                              report.size, "; take a smaller one"));
-  const StepRule rule =
-      options.scheme == IntegrationScheme::Thesis ? StepRule::Tangent : StepRule::ConstantRate;
-  const ClosureForm form = options.scheme == IntegrationScheme::Thesis ? ClosureForm::SecondDifference
-                                                                       : ClosureForm::FirstDifference;
-  // Drawn curves at their own samples: the chords close exactly, so there is no noise to take off them; only
-  // the normals at nodes are made to agree.
-  const bool exact_chords =
-      report.convention.convention == TangentConvention::ToNext && report.convention.forward_misfit >= 0 &&
-      report.convention.forward_misfit < kExactClosure && !options.step &&
-      options.weights == WeightChoice::Auto && options.lengths == LengthChoice::Measured;
-  if (exact_chords) {
-    const ScopedStage stage(report.times, "regression");
-    RegressionOptions regression;
-    regression.unit = report.size;
-    regression.xi = options.xi;
-    RegressionReport done;
-    result.samples = regress_frames(resample(scan, clean, prefilter), regression, &done, progress);
-    note_regression(result.samples, done, report);
-    report.factors.assign(result.samples.curves.size(), 1.0);
-    report.weights_reason =
-        concat("the tangents lead round the loops to within ", report.convention.forward_misfit,
-               " of a curve's length: taken as exact, nothing to smooth");
-  } else {
-    const ScopedStage stage(report.times, "regression");
-    const bool joint = options.weights == WeightChoice::Auto && options.energy == RegressionEnergy::Scaled;
-    result.samples = joint ? jointly(scan, clean, prefilter, options, report, progress)
-                           : by_regression(scan, clean, prefilter, options, rule, form, report, progress);
-  }
-  {
-    const ScopedStage stage(report.times, "integration");
-    progress.report("integration", 0);
-    const IntegrationResult placed = integrate_steps(
-        result.samples, exact_chords ? chord_steps(given) : frame_steps(result.samples, rule), form);
-    report.closure_misfit = placed.closure_misfit;
-    result.network = assemble(scan, result.samples, placed.positions);
-  }
-  report.step = mean_step(result.samples);
-  report.n_samples = result.samples.n_samples();
-  const NetworkTopology topology = network_topology(result.network);
-  report.n_curves = static_cast<int>(result.network.curves.size());
-  report.n_nodes = static_cast<int>(topology.nodes.size());
-  report.n_segments = static_cast<int>(topology.segments.size());
-  if (options.lengths == LengthChoice::Estimated) note_undetermined(scan, report);
+namespace {
+
+void warn_of_curves(const Scan& scan, ScanReport& report) {
   for (int c = 0; c < report.n_curves; ++c) {
     const double share =
         static_cast<double>(report.outliers[c]) / static_cast<double>(scan.curves[c].n_readings());
@@ -296,7 +209,194 @@ ScanNetwork network_from_scan(const Scan& given, const ScanOptions& options, con
                                        " % of its samples contradict the rest and were ignored (a magnetic "
                                        "disturbance?); check it or record it again"));
   }
+}
+
+/// The frames of `smooth` at the parameters of `samples`, on the shortest turns between neighbours.
+SampledScan at_samples(const SampledScan& smooth, SampledScan samples) {
+  for (size_t c = 0; c < samples.curves.size(); ++c) {
+    const SampledCurve& from = smooth.curves[c];
+    int k = 0;
+    for (int i = 0; i < samples.curves[c].n_samples(); ++i) {
+      const double s = samples.curves[c].parameters[i];
+      while (k + 2 < from.n_samples() && from.parameters[k + 1] < s) ++k;
+      const double u = std::clamp((s - from.parameters[k]) / from.step(k), 0.0, 1.0);
+      const Eigen::Matrix3d& X = from.frames[k];
+      samples.curves[c].frames[i] = X * so3_exp(u * so3_log(X.transpose() * from.frames[k + 1]));
+    }
+  }
+  return samples;
+}
+
+}  // namespace
+
+/// What does not depend on weights, step and radius: the readings cleaned, and what the report says of them.
+struct ReconstructionSolver::Readings {
+  Readings(const Scan& given, bool robust, const Progress& progress);
+
+  std::optional<Scan> converted;  ///< to frames at the readings
+  std::vector<CleanCurve> clean;
+  ScanReport report;
+};
+
+ReconstructionSolver::Readings::Readings(const Scan& given, bool robust, const Progress& progress) {
+  const ScopedStage stage(report.times, "prefilter");
+  progress.report("prefilter", 0);
+  check_scan(given);
+  report.convention = tangent_convention(given);
+  if (report.convention.uncertain)
+    report.warnings.push_back("it is not certain what the tangents mean: " + report.convention.reason +
+                              "; state it in the file if this is wrong");
+  CleanOptions cleaning;
+  cleaning.robust = robust;
+  if (report.convention.convention == TangentConvention::ToNext) {
+    converted = frames_at_samples(given);
+    // Tangents to the next reading come from drawn curves: every one is needed to follow the others.
+    cleaning = {0, false};
+  }
+  const Scan& scan = converted ? *converted : given;
+  clean = clean_readings(scan, cleaning, report.warnings);
+  for (const CleanCurve& curve : clean) {
+    report.outliers.push_back(curve.n_outliers);
+    report.n_duplicates += curve.n_duplicates;
+  }
+  for (const ScanCurve& curve : scan.curves) report.n_readings += curve.n_readings();
+  report.reading_noise = reading_noise(clean);
+  const SampledScan samples = resample(scan, clean, PrefilterOptions{});
+  const IntegrationResult raw =
+      integrate_steps(samples, frame_steps(samples, StepRule::ConstantRate), ClosureForm::FirstDifference);
+  report.size = scan_size(raw.positions);
+  report.closure_misfit_before = raw.closure_misfit;
+  report.n_loops = raw.n_loops;
+  if (!(report.size > 0)) throw InvalidInput("the scan has no size: all its points fall together");
+}
+
+/// The samples of one step and radius with their regression.
+struct ReconstructionSolver::Sampling {
+  const Readings* readings;
+  double step, sigma;
+  SampledScan samples;
+  FrameRegression regression;
+};
+
+ReconstructionSolver::ReconstructionSolver(Scan scan) : scan_(std::move(scan)) {}
+ReconstructionSolver::~ReconstructionSolver() = default;
+ReconstructionSolver::ReconstructionSolver(ReconstructionSolver&&) noexcept = default;
+ReconstructionSolver& ReconstructionSolver::operator=(ReconstructionSolver&&) noexcept = default;
+
+ReconstructionSolver::Sampling& ReconstructionSolver::sampling(const Readings& readings,
+                                                               const PrefilterOptions& prefilter) {
+  if (sampling_ && sampling_->readings == &readings && sampling_->step == prefilter.step &&
+      sampling_->sigma == prefilter.sigma)
+    return *sampling_;
+  SampledScan samples = resample(readings.converted ? *readings.converted : scan_, readings.clean, prefilter);
+  const bool same_places = sampling_ && sampling_->readings == &readings && sampling_->step == prefilter.step;
+  if (same_places) {
+    sampling_->regression.set_frames(samples);
+    sampling_->sigma = prefilter.sigma;
+    sampling_->samples = std::move(samples);
+    return *sampling_;
+  }
+  FrameRegression regression(samples);
+  if (last_) regression.start(at_samples(last_->frames, samples), last_->robust_scale);
+  sampling_ = std::make_unique<Sampling>(
+      Sampling{&readings, prefilter.step, prefilter.sigma, std::move(samples), std::move(regression)});
+  return *sampling_;
+}
+
+ScanNetwork ReconstructionSolver::solve(const ScanOptions& options, const Progress& progress) {
+  return reconstruct(options, false, progress);
+}
+
+ScanNetwork ReconstructionSolver::follow(const ScanOptions& options, const Progress& progress) {
+  return reconstruct(options, true, progress);
+}
+
+void ReconstructionSolver::regress(const Readings& readings, const PrefilterOptions& prefilter,
+                                   const ScanOptions& options, bool exact_chords, bool moving,
+                                   ScanNetwork& result, const Progress& progress) {
+  ScanReport& report = result.report;
+  const bool thesis = options.scheme == IntegrationScheme::Thesis;
+  Sampling& kept = sampling(readings, prefilter);
+  RegressionOptions regression;
+  regression.unit = report.size;
+  regression.xi = options.xi;
+  if (exact_chords)
+    report.weights_reason =
+        concat("the tangents lead round the loops to within ", report.convention.forward_misfit,
+               " of a curve's length: taken as exact, nothing to smooth");
+  else
+    regression = regression_options(
+        kept.samples, options, thesis ? StepRule::Tangent : StepRule::ConstantRate,
+        thesis ? ClosureForm::SecondDifference : ClosureForm::FirstDifference, report, progress);
+  RegressionReport done;
+  result.samples = moving ? kept.regression.follow(regression, &done, progress)
+                          : kept.regression.solve(regression, &done, progress);
+  if (!moving && !done.converged)
+    report.warnings.push_back(
+        concat("the regression of the frames had not converged after ", done.iterations, " steps"));
+  note_regression(kept.samples, done, report);
+  report.factors.assign(kept.samples.curves.size(), 1.0);
+  last_ = Last{result.samples, done.robust_scale};
+}
+
+ScanNetwork ReconstructionSolver::reconstruct(const ScanOptions& options, bool moving,
+                                              const Progress& progress) {
+  if (const auto problem = options.problem()) throw InvalidInput(*problem);
+  std::unique_ptr<Readings>& slot = readings_[options.robust ? 1 : 0];
+  ScanNetwork result;
+  ScanReport& report = result.report;
+  if (!slot) {
+    slot = std::make_unique<Readings>(scan_, options.robust, progress);
+    report = slot->report;
+  } else {
+    report = slot->report;
+    report.times = {};
+  }
+  const Readings& readings = *slot;
+  const Scan& scan = readings.converted ? *readings.converted : scan_;
+  PrefilterOptions prefilter;
+  prefilter.sigma = options.sigma;
+  if (options.step) prefilter.step = options.step->in_file_units(report.size);
+  if (options.step && prefilter.step > 0.5 * report.size)
+    throw InvalidInput(concat("the step ", prefilter.step, " is more than half the size of the scan, ",
+                              report.size, "; take a smaller one"));
+  const bool thesis = options.scheme == IntegrationScheme::Thesis;
+  const StepRule rule = thesis ? StepRule::Tangent : StepRule::ConstantRate;
+  // Drawn curves at their own samples: the chords close exactly, so there is no noise to take off them; only
+  // the normals at nodes are made to agree.
+  const bool exact_chords =
+      report.convention.convention == TangentConvention::ToNext && report.convention.forward_misfit >= 0 &&
+      report.convention.forward_misfit < kExactClosure && !options.step &&
+      options.weights == WeightChoice::Auto && options.lengths == LengthChoice::Measured;
+  {
+    const ScopedStage stage(report.times, "regression");
+    if (!exact_chords && options.weights == WeightChoice::Auto && options.energy == RegressionEnergy::Scaled)
+      result.samples = jointly(scan, readings.clean, prefilter, options, report, progress);
+    else
+      regress(readings, prefilter, options, exact_chords, moving, result, progress);
+  }
+  {
+    const ScopedStage stage(report.times, "integration");
+    progress.report("integration", 0);
+    const IntegrationResult placed =
+        integrate_steps(result.samples, exact_chords ? chord_steps(scan_) : frame_steps(result.samples, rule),
+                        thesis ? ClosureForm::SecondDifference : ClosureForm::FirstDifference);
+    report.closure_misfit = placed.closure_misfit;
+    result.network = assemble(scan, result.samples, placed.positions);
+  }
+  report.step = mean_step(result.samples);
+  report.n_samples = result.samples.n_samples();
+  const NetworkTopology topology = network_topology(result.network);
+  report.n_curves = static_cast<int>(result.network.curves.size());
+  report.n_nodes = static_cast<int>(topology.nodes.size());
+  report.n_segments = static_cast<int>(topology.segments.size());
+  if (options.lengths == LengthChoice::Estimated) note_undetermined(scan, report);
+  warn_of_curves(scan, report);
   return result;
+}
+
+ScanNetwork network_from_scan(const Scan& scan, const ScanOptions& options, const Progress& progress) {
+  return ReconstructionSolver(scan).solve(options, progress);
 }
 
 }  // namespace batten

@@ -1,4 +1,6 @@
 #pragma once
+#include <array>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,6 +12,7 @@
 #include "batten/network/curve_network.hpp"
 #include "batten/scan/convention.hpp"
 #include "batten/scan/joint.hpp"
+#include "batten/scan/prefilter.hpp"
 #include "batten/scan/regression.hpp"
 #include "batten/scan/scan.hpp"
 
@@ -100,5 +103,42 @@ struct ScanNetwork {
 /// @throws InvalidInput with curve, reading or node and the remedy; SolverFailure; Cancelled.
 ScanNetwork network_from_scan(const Scan& scan, const ScanOptions& options = {},
                               const Progress& progress = {});
+
+/// network_from_scan() kept for one scan, for sliders: the readings are cleaned once (twice when the robust
+/// loss is switched), samples are kept for one step and radius of the pre-filter, pattern and ordering of the
+/// regression for one step. What is kept does not grow with the number of calls.
+class ReconstructionSolver {
+ public:
+  explicit ReconstructionSolver(Scan scan);
+  ~ReconstructionSolver();
+  ReconstructionSolver(ReconstructionSolver&&) noexcept;
+  ReconstructionSolver& operator=(ReconstructionSolver&&) noexcept;
+
+  /// The network at rest: the same bits as network_from_scan(), whatever was asked before. The robust loss
+  /// has more than one minimum, so the way to it starts from the data each time.
+  /// @throws as network_from_scan(); the next call is not affected.
+  ScanNetwork solve(const ScanOptions& options, const Progress& progress = {});
+  /// The network while something moves: one or two steps from the last frames and trust,
+  /// FrameRegression::follow(). With automatic weights and the scaled energy nothing is kept but the
+  /// readings: as solve().
+  ScanNetwork follow(const ScanOptions& options, const Progress& progress = {});
+
+ private:
+  struct Readings;
+  struct Sampling;
+  struct Last {
+    SampledScan frames;
+    double robust_scale;
+  };
+  ScanNetwork reconstruct(const ScanOptions& options, bool moving, const Progress& progress);
+  void regress(const Readings& readings, const PrefilterOptions& prefilter, const ScanOptions& options,
+               bool exact_chords, bool moving, ScanNetwork& result, const Progress& progress);
+  Sampling& sampling(const Readings& readings, const PrefilterOptions& prefilter);
+
+  Scan scan_;
+  std::array<std::unique_ptr<Readings>, 2> readings_;  ///< without and with robust cleaning
+  std::unique_ptr<Sampling> sampling_;
+  std::optional<Last> last_;
+};
 
 }  // namespace batten
