@@ -13,6 +13,13 @@ TEST(GaussIntegral, IsExactForPolynomialsOfDegreeNine) {
         << degree;
 }
 
+TEST(GaussIntegral, OfFifteenDigitsIsTheSameToFifteenDigits) {
+  for (std::size_t k = 0; k < kGaussRule.size(); ++k) {
+    EXPECT_NEAR(kGaussRuleOfFifteenDigits[k].place, kGaussRule[k].place, 1e-15);
+    EXPECT_NEAR(kGaussRuleOfFifteenDigits[k].weight, kGaussRule[k].weight, 1e-15);
+  }
+}
+
 // The error for f is (5!)⁴ / (11 (10!)³) f⁽¹⁰⁾, and (x¹⁰)⁽¹⁰⁾ = 10!: 1.43e-6, which no other weights at these
 // places and no other places have.
 TEST(GaussIntegral, MissesTheTenthPowerByTheErrorOfTheRule) {

@@ -28,7 +28,8 @@ struct HermiteCubic {
   }
   /// Arc length of the whole, by gauss_integral().
   double length() const {
-    return width * gauss_integral([this](double t) { return derivative(t).norm(); });
+    return width *
+           gauss_integral([this](double t) { return derivative(t).norm(); }, kGaussRuleOfFifteenDigits);
   }
 };
 
