@@ -13,7 +13,8 @@ namespace batten {
 struct AutomaticFairingOptions {
   /// Noise along the normals (standard deviation) in mean edge lengths; negative: estimate_noise().
   double noise = -1;
-  /// Rounds of filter and refit; 0 takes 14 for sharp and 10 for organic shapes.
+  /// Rounds of filter and refit; 0 takes 12 for sharp and 10 for organic shapes. Sharp ones get two more, in
+  /// which vertices may leave their normals.
   int iterations = 0;
   /// Keep border vertices where they are.
   bool keep_boundary = false;
@@ -34,6 +35,9 @@ struct AutomaticFairingReport {
   double exceptions = 0;    ///< share of the vertices in regions that took the other
   int iterations = 0;       ///< its rounds
   double largest_move = 0;  ///< in the unit of the mesh
+  /// Refits of all runs that stopped at their limit of iterations, and the largest relative residual of any.
+  int unconverged_solves = 0;
+  double largest_residual = 0;
 };
 
 /// Removes noise from a mesh, keeping sharp edges sharp and organic shapes organic, without parameters.

@@ -35,7 +35,7 @@ Points fair_by_total_variation(const Points& positions, const Triangles& triangl
     const double length = sum.norm();
     normals.row(f) = length > 0 ? Eigen::RowVector3d(sum / length) : Eigen::RowVector3d::Zero();
   }
-  return refit_to_normals(positions, triangles, normals, 0.1, keep_boundary);
+  return refit_to_normals(positions, triangles, normals, 0.1, keep_boundary, progress);
 }
 
 }  // namespace
@@ -77,6 +77,8 @@ FairingResult fair(const Points& positions, const Triangles& triangles, const Fa
     result.strategy = report.strategy.empty() ? "none" : report.strategy;
     result.iterations = report.iterations;
     result.largest_move = report.largest_move;
+    result.unconverged_solves = report.unconverged_solves;
+    result.largest_residual = report.largest_residual;
     return result;
   }
   result.noise = options.noise >= 0 ? options.noise : estimate_noise(positions, triangles).level;

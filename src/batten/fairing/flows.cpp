@@ -122,7 +122,7 @@ Points run_flow(const Points& positions, const Triangles& triangles, const FlowO
     if (options.implicit) {
       const SparseMatrix system = tau * flow.A + diagonal_matrix((1 + tau * options.fidelity) * flow.mass);
       const Points right = flow.mass.asDiagonal() * (X + tau * options.fidelity * positions);
-      fairing_detail::solve_with_fixed(solver, system, right, fixed, next);
+      fairing_detail::solve_with_fixed(solver, system, right, fixed, next, progress);
     } else {
       next += tau * (flow.velocity + options.fidelity * (positions - X));
     }
@@ -257,7 +257,7 @@ Points elastica_flow(const Points& positions, const Triangles& triangles, const 
           0.5 * tau * bilaplacian + diagonal_matrix((1 + tau * options.fidelity) * mass);
       const Points right = mass.asDiagonal() * moves;
       moves.setZero();
-      fairing_detail::solve_with_fixed(solver, system, right, fixed, moves);
+      fairing_detail::solve_with_fixed(solver, system, right, fixed, moves, progress);
     }
     next += moves;
     return tau;

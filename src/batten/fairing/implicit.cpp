@@ -28,7 +28,7 @@ std::vector<char> fixed_vertices(const Points& positions, const Triangles& trian
 }
 
 void solve_with_fixed(SparseCholesky& solver, const SparseMatrix& A, const Eigen::MatrixXd& B,
-                      const std::vector<char>& fixed, Points& X) {
+                      const std::vector<char>& fixed, Points& X, const Progress& progress) {
   const Eigen::Index n = A.rows();
   std::vector<int> index(static_cast<std::size_t>(n), -1);
   int unknowns = 0;
@@ -36,7 +36,7 @@ void solve_with_fixed(SparseCholesky& solver, const SparseMatrix& A, const Eigen
     if (!fixed[v]) index[v] = unknowns++;
   if (unknowns == 0) return;
   if (unknowns == n) {
-    solver.factorize(A);
+    solver.factorize(A, progress);
     X = solver.solve(B);
     return;
   }
@@ -55,7 +55,7 @@ void solve_with_fixed(SparseCholesky& solver, const SparseMatrix& A, const Eigen
     }
   SparseMatrix reduced(unknowns, unknowns);
   reduced.setFromTriplets(triplets.begin(), triplets.end());
-  solver.factorize(reduced);
+  solver.factorize(reduced, progress);
   const Eigen::MatrixXd solution = solver.solve(right);
   for (Eigen::Index v = 0; v < n; ++v)
     if (!fixed[v]) X.row(v) = solution.row(index[v]);

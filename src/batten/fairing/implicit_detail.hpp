@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "batten/core/arrays.hpp"
+#include "batten/core/progress.hpp"
 #include "batten/linalg/sparse_cholesky.hpp"
 
 namespace batten::fairing_detail {
@@ -14,8 +15,9 @@ std::vector<char> fixed_vertices(const Points& positions, const Triangles& trian
 
 /// Solves A X = B (A symmetric positive definite, both halves stored) for the rows that are not fixed; the
 /// fixed rows of X keep the values they have. @param X the values on entry, the solution on return.
+/// @throws Cancelled, with X as it was.
 void solve_with_fixed(SparseCholesky& solver, const SparseMatrix& A, const Eigen::MatrixXd& B,
-                      const std::vector<char>& fixed, Points& X);
+                      const std::vector<char>& fixed, Points& X, const Progress& progress = {});
 
 /// Lumped mass with a floor, so that vertices without area do not divide by zero.
 Eigen::VectorXd bounded_mass(const Points& positions, const Triangles& triangles);

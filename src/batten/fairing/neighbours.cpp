@@ -18,64 +18,89 @@ IndexLists triangles_of_vertices(const Triangles& triangles, Eigen::Index n_vert
   return lists;
 }
 
-IndexLists vertex_neighbours(const Triangles& triangles, Eigen::Index n_vertices) {
-  const IndexLists around = triangles_of_vertices(triangles, n_vertices);
+namespace {
+
+/// Lists that were found in chunks, one after the other.
+struct Chunk {
+  std::vector<int> sizes, indices;
+};
+
+IndexLists joined(const std::vector<Chunk>& chunks, Eigen::Index rows) {
   IndexLists lists;
-  lists.offsets.reserve(static_cast<std::size_t>(n_vertices) + 1);
-  lists.indices.reserve(around.indices.size() + 16);
-  for (Eigen::Index v = 0; v < n_vertices; ++v) {
-    const std::size_t first = lists.indices.size();
-    for (int i = around.begin(v); i < around.end(v); ++i)
-      for (int k = 0; k < 3; ++k)
-        if (const int u = triangles(around.indices[i], k); u != v) lists.indices.push_back(u);
-    std::sort(lists.indices.begin() + static_cast<std::ptrdiff_t>(first), lists.indices.end());
-    lists.indices.erase(
-        std::unique(lists.indices.begin() + static_cast<std::ptrdiff_t>(first), lists.indices.end()),
-        lists.indices.end());
-    lists.offsets.push_back(static_cast<int>(lists.indices.size()));
+  lists.offsets.reserve(static_cast<std::size_t>(rows) + 1);
+  std::size_t total = 0;
+  for (const Chunk& chunk : chunks) total += chunk.indices.size();
+  lists.indices.reserve(total);
+  for (const Chunk& chunk : chunks) {
+    for (const int size : chunk.sizes) lists.offsets.push_back(lists.offsets.back() + size);
+    lists.indices.insert(lists.indices.end(), chunk.indices.begin(), chunk.indices.end());
   }
   return lists;
+}
+
+}  // namespace
+
+IndexLists vertex_neighbours(const Triangles& triangles, Eigen::Index n_vertices) {
+  constexpr Eigen::Index kGrain = 4096;
+  const IndexLists around = triangles_of_vertices(triangles, n_vertices);
+  std::vector<Chunk> chunks(static_cast<std::size_t>((n_vertices + kGrain - 1) / kGrain));
+  parallel_for(n_vertices, kGrain, [&](Eigen::Index begin, Eigen::Index end) {
+    Chunk& chunk = chunks[static_cast<std::size_t>(begin / kGrain)];
+    std::vector<int> row;
+    for (Eigen::Index v = begin; v < end; ++v) {
+      row.clear();
+      for (int i = around.begin(v); i < around.end(v); ++i)
+        for (int k = 0; k < 3; ++k)
+          if (const int u = triangles(around.indices[i], k); u != v) row.push_back(u);
+      std::sort(row.begin(), row.end());
+      row.erase(std::unique(row.begin(), row.end()), row.end());
+      chunk.sizes.push_back(static_cast<int>(row.size()));
+      chunk.indices.insert(chunk.indices.end(), row.begin(), row.end());
+    }
+  });
+  return joined(chunks, n_vertices);
 }
 
 Eigen::VectorXd bi_umbrella_gains(const IndexLists& neighbours) {
   const Eigen::Index n = static_cast<Eigen::Index>(neighbours.offsets.size()) - 1;
   Eigen::VectorXd gains = Eigen::VectorXd::Zero(n);
-  std::vector<double> row(static_cast<std::size_t>(n), 0.0);
-  std::vector<int> touched;
-  const auto add = [&](int column, double value) {
-    if (row[column] == 0) touched.push_back(column);
-    row[column] += value;
-  };
-  for (Eigen::Index v = 0; v < n; ++v) {
-    if (neighbours.size(v) == 0) continue;
-    const double share = 1.0 / neighbours.size(v);
-    add(static_cast<int>(v), 1);
-    for (int i = neighbours.begin(v); i < neighbours.end(v); ++i) {
-      const int u = neighbours.indices[i];
-      add(u, -2 * share);
-      for (int j = neighbours.begin(u); j < neighbours.end(u); ++j)
-        add(neighbours.indices[j], share / neighbours.size(u));
+  // Each chunk has an array of its own: a bounded number of chunks.
+  parallel_for(n, std::max<Eigen::Index>(4096, n / 32 + 1), [&](Eigen::Index begin, Eigen::Index end) {
+    std::vector<double> row(static_cast<std::size_t>(n), 0.0);
+    std::vector<int> touched;
+    const auto add = [&](int column, double value) {
+      if (row[column] == 0) touched.push_back(column);
+      row[column] += value;
+    };
+    for (Eigen::Index v = begin; v < end; ++v) {
+      if (neighbours.size(v) == 0) continue;
+      const double share = 1.0 / neighbours.size(v);
+      add(static_cast<int>(v), 1);
+      for (int i = neighbours.begin(v); i < neighbours.end(v); ++i) {
+        const int u = neighbours.indices[i];
+        add(u, -2 * share);
+        for (int j = neighbours.begin(u); j < neighbours.end(u); ++j)
+          add(neighbours.indices[j], share / neighbours.size(u));
+      }
+      for (const int column : touched) {
+        gains[v] += row[column] * row[column];
+        row[column] = 0;
+      }
+      touched.clear();
     }
-    for (const int column : touched) {
-      gains[v] += row[column] * row[column];
-      row[column] = 0;
-    }
-    touched.clear();
-  }
+  });
   return gains;
 }
 
 IndexLists triangle_balls(const Points& centroids, const Triangles& triangles,
-                          const IndexLists& around_vertex, double radius, int most) {
+                          const IndexLists& around_vertex, double radius, int most,
+                          const Progress& progress) {
   const Eigen::Index m = triangles.rows();
   const double squared_radius = radius * radius;
   // Each chunk marks triangles in an array of its own: a bounded number of chunks.
   const Eigen::Index grain = std::max<Eigen::Index>(4096, m / 32 + 1);
-  struct Chunk {
-    std::vector<int> sizes, indices;
-  };
   std::vector<Chunk> chunks(static_cast<std::size_t>((m + grain - 1) / grain));
-  parallel_for(m, grain, [&](Eigen::Index begin, Eigen::Index end) {
+  const auto find = [&](Eigen::Index begin, Eigen::Index end) {
     Chunk& chunk = chunks[static_cast<std::size_t>(begin / grain)];
     std::vector<int> seen(static_cast<std::size_t>(m), -1), ball;
     for (Eigen::Index f = begin; f < end; ++f) {
@@ -98,14 +123,9 @@ IndexLists triangle_balls(const Points& centroids, const Triangles& triangles,
       chunk.sizes.push_back(static_cast<int>(ball.size()));
       chunk.indices.insert(chunk.indices.end(), ball.begin(), ball.end());
     }
-  });
-  IndexLists lists;
-  lists.offsets.reserve(static_cast<std::size_t>(m) + 1);
-  for (const Chunk& chunk : chunks) {
-    for (const int size : chunk.sizes) lists.offsets.push_back(lists.offsets.back() + size);
-    lists.indices.insert(lists.indices.end(), chunk.indices.begin(), chunk.indices.end());
-  }
-  return lists;
+  };
+  parallel_for(m, grain, find, progress);
+  return joined(chunks, m);
 }
 
 Points triangle_centroids(const Points& positions, const Triangles& triangles) {

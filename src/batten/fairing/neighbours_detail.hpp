@@ -2,6 +2,7 @@
 #include <vector>
 
 #include "batten/core/arrays.hpp"
+#include "batten/core/progress.hpp"
 
 namespace batten::fairing_detail {
 
@@ -29,7 +30,8 @@ IndexLists triangles_of_vertices(const Triangles& triangles, Eigen::Index n_vert
 /// share a vertex; those that touch the triangle itself always belong. The triangle itself comes first. At
 /// most `most` (nearest in the sense of that walk), so that time stays linear where triangles are tiny.
 IndexLists triangle_balls(const Points& centroids, const Triangles& triangles,
-                          const IndexLists& around_vertex, double radius, int most);
+                          const IndexLists& around_vertex, double radius, int most,
+                          const Progress& progress = {});
 
 /// Centroids of the triangles, m × 3.
 Points triangle_centroids(const Points& positions, const Triangles& triangles);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "batten/core/error.hpp"
+#include "batten/core/parallel.hpp"
 #include "batten/core/random.hpp"
 #include "batten/core/text.hpp"
 #include "batten/fairing/neighbours_detail.hpp"
@@ -93,28 +94,34 @@ double noise_significance(double level, double doubt) {
   return ramp * ramp * (3 - 2 * ramp);
 }
 
-NoiseEstimate estimate_noise(const Points& positions, const Triangles& triangles) {
+NoiseEstimate estimate_noise(const Points& positions, const Triangles& triangles, const Progress& progress) {
   NoiseEstimate estimate;
   const Eigen::Index n = positions.rows();
+  progress.report("noise", 0);
   const double edge = mean_edge_length(positions, triangles);
   if (!(edge > 0)) return estimate;
   const fairing_detail::IndexLists neighbours = fairing_detail::vertex_neighbours(triangles, n);
   const auto mean_of_neighbours = [&](const Points& field) {
     Points mean = Points::Zero(n, 3);
-    for (Eigen::Index v = 0; v < n; ++v) {
-      for (int i = neighbours.begin(v); i < neighbours.end(v); ++i)
-        mean.row(v) += field.row(neighbours.indices[i]);
-      if (neighbours.size(v) > 0) mean.row(v) /= neighbours.size(v);
-    }
+    parallel_for(n, 4096, [&](Eigen::Index begin, Eigen::Index end) {
+      for (Eigen::Index v = begin; v < end; ++v) {
+        for (int i = neighbours.begin(v); i < neighbours.end(v); ++i)
+          mean.row(v) += field.row(neighbours.indices[i]);
+        if (neighbours.size(v) > 0) mean.row(v) /= neighbours.size(v);
+      }
+    });
     return mean;
   };
+  progress.report("noise", 0.4);
   // Noise tilts the normals, which would hide a part of it: smooth them twice.
   Points normals = vertex_normals(positions, triangles);
   for (int pass = 0; pass < 2; ++pass) normals += mean_of_neighbours(normals);
   const Points umbrella = positions - mean_of_neighbours(positions);
   const Points bi_umbrella = umbrella - mean_of_neighbours(umbrella);
 
+  progress.report("noise", 0.6);
   const Eigen::VectorXd gains = fairing_detail::bi_umbrella_gains(neighbours);
+  progress.report("noise", 0.8);
   std::vector<double> deviations;
   deviations.reserve(static_cast<std::size_t>(n));
   for (Eigen::Index v = 0; v < n; ++v)

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 
 #include "batten/core/arrays.hpp"
+#include "batten/core/progress.hpp"
 
 namespace batten {
 
@@ -55,6 +56,7 @@ double noise_significance(double level, double doubt);
 /// shapes hardly show in it, noise does by a factor known per vertex. The median over the vertices makes it
 /// blind to edges. Within 20 % of the truth for 0.1–0.3 mean edge lengths on the meshes of the tests; a clean
 /// scan of an organic shape gives 0.025, a coarse one up to 0.06.
-NoiseEstimate estimate_noise(const Points& positions, const Triangles& triangles);
+NoiseEstimate estimate_noise(const Points& positions, const Triangles& triangles,
+                             const Progress& progress = {});
 
 }  // namespace batten

@@ -156,7 +156,7 @@ Points move_to_normals(const Points& positions, const Triangles& triangles, cons
 }
 
 Points refit_to_normals(const Points& positions, const Triangles& triangles, const Points& face_normals,
-                        double fidelity, bool keep_boundary) {
+                        double fidelity, bool keep_boundary, const Progress& progress) {
   if (face_normals.rows() != triangles.rows())
     throw InvalidInput(
         concat("one normal per triangle is needed: ", triangles.rows(), ", got ", face_normals.rows()));
@@ -203,7 +203,7 @@ Points refit_to_normals(const Points& positions, const Triangles& triangles, con
   SparseMatrix system(unknowns, unknowns);
   system.setFromTriplets(triplets.begin(), triplets.end());
   SparseCholesky solver("refit to normals");
-  solver.factorize(system);
+  solver.factorize(system, progress);
   const VectorXd moves = solver.solve(right);
   Points X = positions;
   for (Eigen::Index v = 0; v < n; ++v)

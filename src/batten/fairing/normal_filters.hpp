@@ -33,6 +33,6 @@ Points move_to_normals(const Points& positions, const Triangles& triangles, cons
 /// normals in the place of curvature normals: min Σ cot (n_f · (x_i − x_j))² + λ‖X − X0‖².
 /// @param fidelity λ > 0, no unit.
 Points refit_to_normals(const Points& positions, const Triangles& triangles, const Points& face_normals,
-                        double fidelity, bool keep_boundary = false);
+                        double fidelity, bool keep_boundary = false, const Progress& progress = {});
 
 }  // namespace batten

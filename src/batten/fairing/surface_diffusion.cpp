@@ -91,7 +91,7 @@ Points surface_diffusion(const Points& positions, const Triangles& triangles,
   const MatrixXd right = options.fidelity * positions - K * (D.cwiseInverse().asDiagonal() * target);
   Points X = positions;
   SparseCholesky refit("refit to curvature");
-  fairing_detail::solve_with_fixed(refit, system, right, fixed, X);
+  fairing_detail::solve_with_fixed(refit, system, right, fixed, X, progress);
   told.largest_move = (X - positions).rowwise().norm().maxCoeff();
   return X;
 }

@@ -407,25 +407,26 @@ struct Search {
     return {elements[e].point(v, w), tree.order[e], Vector3d(std::max(0.0, 1 - v - w), v, w), d2};
   }
 
-  std::vector<ClosestPoint> closest(const Points& queries) const;
+  std::vector<ClosestPoint> closest(const Points& queries, const Progress& progress) const;
 };
 
 template <typename Element>
-std::vector<ClosestPoint> Search<Element>::closest(const Points& queries) const {
+std::vector<ClosestPoint> Search<Element>::closest(const Points& queries, const Progress& progress) const {
   for (Eigen::Index i = 0; i < queries.rows(); ++i)
     if (!queries.row(i).allFinite())
       throw InvalidInput(concat("point ", i, " has a coordinate that is not finite"));
   std::vector<ClosestPoint> results(queries.rows());
   if (results.empty()) return results;
   const std::vector<int> order = spatial_order(queries);
-  parallel_for(queries.rows(), 512, [&](Eigen::Index begin, Eigen::Index end) {
+  const auto search = [&](Eigen::Index begin, Eigen::Index end) {
     std::int32_t previous = -1;  // the neighbour's element is a good first bound
     for (Eigen::Index k = begin; k < end; ++k) {
       double v = 0, w = 0, d2 = 0;
       previous = find(queries.row(order[k]), previous, v, w, d2);
       results[order[k]] = result(previous, v, w, d2);
     }
-  });
+  };
+  parallel_for(queries.rows(), 512, search, progress);
   return results;
 }
 
@@ -446,8 +447,8 @@ ClosestPoint TriangleTree::closest(const Vector3d& query) const {
   return hierarchy_->closest(query);
 }
 
-std::vector<ClosestPoint> TriangleTree::closest(const Points& queries) const {
-  return hierarchy_->closest(queries);
+std::vector<ClosestPoint> TriangleTree::closest(const Points& queries, const Progress& progress) const {
+  return hierarchy_->closest(queries, progress);
 }
 
 SegmentTree::SegmentTree(const Points& positions, const Segments& segments)
@@ -457,8 +458,8 @@ ClosestPoint SegmentTree::closest(const Vector3d& query) const {
   return hierarchy_->closest(query);
 }
 
-std::vector<ClosestPoint> SegmentTree::closest(const Points& queries) const {
-  return hierarchy_->closest(queries);
+std::vector<ClosestPoint> SegmentTree::closest(const Points& queries, const Progress& progress) const {
+  return hierarchy_->closest(queries, progress);
 }
 
 ClosestPoint closest_point_on_triangle(const Vector3d& q, const Vector3d& a, const Vector3d& b,

@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 
 #include "batten/core/arrays.hpp"
+#include "batten/core/progress.hpp"
 
 namespace batten {
 
@@ -42,7 +43,7 @@ class TriangleTree {
 
   ClosestPoint closest(const Eigen::Vector3d& query) const;
   /// One result per row of `queries`, equal to those of closest(), on all processors.
-  std::vector<ClosestPoint> closest(const Points& queries) const;
+  std::vector<ClosestPoint> closest(const Points& queries, const Progress& progress = {}) const;
 
   struct Hierarchy;
 
@@ -57,7 +58,7 @@ class SegmentTree {
   SegmentTree(const Points& positions, const Segments& segments);
 
   ClosestPoint closest(const Eigen::Vector3d& query) const;
-  std::vector<ClosestPoint> closest(const Points& queries) const;
+  std::vector<ClosestPoint> closest(const Points& queries, const Progress& progress = {}) const;
 
   struct Hierarchy;
 

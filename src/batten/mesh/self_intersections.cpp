@@ -65,7 +65,7 @@ bool folded_back(const Eigen::Vector3d& v, const Eigen::Vector3d& w, const Eigen
 }  // namespace
 
 std::vector<std::pair<int, int>> self_intersections(const Points& positions, const Triangles& triangles,
-                                                    size_t most) {
+                                                    size_t most, const Progress& progress) {
   const std::vector<int> place = merged_vertices(positions);
   const auto corners_of = [&](int f) {
     return Corners{positions.row(triangles(f, 0)), positions.row(triangles(f, 1)),
@@ -79,6 +79,7 @@ std::vector<std::pair<int, int>> self_intersections(const Points& positions, con
     boxes[f] = {c[0].cwiseMin(c[1]).cwiseMin(c[2]), c[0].cwiseMax(c[1]).cwiseMax(c[2])};
     has_area[f] = !are_collinear(c[0], c[1], c[2]);
   }
+  progress.report("self-intersections", 0);
   const BoxTree tree(boxes);
   const auto meet = [&](int f, int g) {
     // Corners of f, then of g, that both have in common come first.
@@ -110,7 +111,7 @@ std::vector<std::pair<int, int>> self_intersections(const Points& positions, con
   };
   constexpr Eigen::Index kGrain = 2048;
   std::vector<std::vector<std::pair<int, int>>> found(n / kGrain + 1);
-  parallel_for(static_cast<Eigen::Index>(n), kGrain, [&](Eigen::Index begin, Eigen::Index end) {
+  const auto search = [&](Eigen::Index begin, Eigen::Index end) {
     auto& pairs = found[static_cast<size_t>(begin / kGrain)];
     for (auto f = static_cast<int>(begin); f < end && pairs.size() < most; ++f) {
       if (!has_area[static_cast<size_t>(f)]) continue;
@@ -121,7 +122,8 @@ std::vector<std::pair<int, int>> self_intersections(const Points& positions, con
       });
       std::sort(pairs.begin() + static_cast<std::ptrdiff_t>(before), pairs.end());
     }
-  });
+  };
+  parallel_for(static_cast<Eigen::Index>(n), kGrain, search, progress.part("self-intersections", 0.1, 1));
   std::vector<std::pair<int, int>> all;
   for (const auto& pairs : found) all.insert(all.end(), pairs.begin(), pairs.end());
   if (all.size() > most) all.resize(most);

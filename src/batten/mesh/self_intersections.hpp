@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "batten/core/arrays.hpp"
+#include "batten/core/progress.hpp"
 
 namespace batten {
 
@@ -13,6 +14,6 @@ namespace batten {
 /// @param most how many pairs to list at most; the first ones in order.
 /// @pre the indices are in range.
 std::vector<std::pair<int, int>> self_intersections(const Points& positions, const Triangles& triangles,
-                                                    size_t most = 1000);
+                                                    size_t most = 1000, const Progress& progress = {});
 
 }  // namespace batten
