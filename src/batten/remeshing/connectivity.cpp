@@ -30,6 +30,9 @@ double angle_between(const Vector3d& a, const Vector3d& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b));
 }
 
+/// Edges changed between two reports: some 10 ms.
+constexpr std::size_t kEdgesPerReport = 8192;
+
 /// Edges by a key, in an order that does not depend on how they are stored in memory.
 struct Candidate {
   double key;
@@ -86,7 +89,7 @@ void RemeshState::add_vertex(int v, double size_there, int chain_there, double p
   place[v] = place_there;
 }
 
-int RemeshState::split_long_edges(double ratio) {
+int RemeshState::split_long_edges(double ratio, const Progress& progress) {
   std::vector<Candidate> edges;
   for (int h = 0; h < mesh.halfedge_capacity(); ++h)
     if (mesh.is_representative(h)) {
@@ -99,6 +102,8 @@ int RemeshState::split_long_edges(double ratio) {
   // order need not end (between two far vertices the cuts can alternate for ever); they wait for the next
   // round.
   for (std::size_t i = 0; i < edges.size(); ++i) {
+    if (i % kEdgesPerReport == 0)
+      progress.report("split", static_cast<double>(i) / static_cast<double>(edges.size()));
     const int h = edges[i].halfedge;
     if (!(edge_length(h) > ratio * wanted_length(h))) continue;
     const int u = mesh.from(h), v = mesh.to(h);
@@ -179,7 +184,7 @@ bool RemeshState::collapse_towards(int h, bool reversed, double longest) {
   return true;
 }
 
-int RemeshState::collapse_short_edges(double ratio, double longest) {
+int RemeshState::collapse_short_edges(double ratio, double longest, const Progress& progress) {
   std::vector<Candidate> edges;
   for (int h = 0; h < mesh.halfedge_capacity(); ++h)
     if (mesh.is_representative(h)) {
@@ -188,8 +193,10 @@ int RemeshState::collapse_short_edges(double ratio, double longest) {
     }
   std::sort(edges.begin(), edges.end());
   int collapses = 0;
-  for (const Candidate& edge : edges) {
-    int h = edge.halfedge;
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    if (i % kEdgesPerReport == 0)
+      progress.report("collapse", static_cast<double>(i) / static_cast<double>(edges.size()));
+    int h = edges[i].halfedge;
     if (!mesh.has_halfedge(h) || !(edge_length(h) < ratio * wanted_length(h))) continue;
     for (int side = 0; side < 2; ++side) {
       if (side == 1 && mesh.opposite(h) != kNone) h = mesh.opposite(h);

@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 
+#include "batten/core/progress.hpp"
 #include "batten/mesh/halfedge_mesh.hpp"
 #include "batten/remeshing/feature_chains.hpp"
 
@@ -34,10 +35,10 @@ class RemeshState {
   void relax_chains(double share);
 
   /// Splits edges longer than `ratio` times the wanted length, longest first. @return how many.
-  int split_long_edges(double ratio);
+  int split_long_edges(double ratio, const Progress& progress = {});
   /// Collapses edges shorter than `ratio` times the wanted length, shortest first, where that makes no edge
   /// longer than `longest` times its wanted length, turns no face over and leaves features on their curves.
-  int collapse_short_edges(double ratio, double longest);
+  int collapse_short_edges(double ratio, double longest, const Progress& progress = {});
   /// Turns edges that bring valences nearer to 6 (what the angle around asks for, on features and borders).
   /// Refused where a face would turn by more than `turn` radians or an angle become smaller than `angle`.
   int flip_for_valence(double turn, double angle);

@@ -29,12 +29,14 @@ struct NormalFitOptions {
 ///
 /// A free vertex is tried at the nearest vertices of the reference, at the point where the planes of the
 /// reference around it meet best, and in the middle of its neighbours; a vertex on a feature chain at the
-/// vertices of the chain. Descent by single moves: the sum falls with every one.
-/// @param reference samples of the reference with their nearest points on state.mesh.compacted(), as
-/// sample_reference() finds them; the mesh may have moved a little since.
+/// vertices of the chain. Descent by single moves: the sum falls with every one. Vertices are taken in blocks
+/// of neighbours, side by side on all threads, then those between the blocks; the order, and the result, do
+/// not depend on the number of threads.
+/// @param reference (taken over) samples of the reference with their nearest points on
+/// state.mesh.compacted(), as sample_reference() finds them; the mesh may have moved a little since.
 /// @return the number of moves and turns.
 int fit_normals(RemeshState& state, const FeatureChains& features, const Points& reference_positions,
-                const Triangles& reference_triangles, const ReferenceSamples& reference,
+                const Triangles& reference_triangles, ReferenceSamples reference,
                 const NormalFitOptions& options = {}, const Progress& progress = {});
 
 }  // namespace batten

@@ -4,8 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include <Eigen/IterativeLinearSolvers>
-
+#include "batten/core/error.hpp"
 #include "batten/core/parallel.hpp"
 #include "batten/operators/laplacian.hpp"
 
@@ -69,9 +68,9 @@ SparseMatrix clamped_stiffness(const Triangles& triangles, const EdgeLengths& le
   return K;
 }
 
-Eigen::VectorXd regularized_areas(const SparseMatrix& stiffness, const Eigen::VectorXd& areas,
-                                  const Eigen::VectorXd& curvature, const Eigen::VectorXd& shares,
-                                  double sigma) {
+RegularizedAreas regularized_areas(const SparseMatrix& stiffness, const Eigen::VectorXd& areas,
+                                   const Eigen::VectorXd& curvature, const Eigen::VectorXd& shares,
+                                   double sigma, const Progress& progress) {
   const Eigen::VectorXd H = scaled_to_one(curvature);
   SparseMatrix K = stiffness;
   for (Eigen::Index i = 0; i < K.cols(); ++i)
@@ -82,16 +81,27 @@ Eigen::VectorXd regularized_areas(const SparseMatrix& stiffness, const Eigen::Ve
   balance_diagonal(K);
   const Eigen::VectorXd density = areas.cwiseQuotient(shares);
   const double speed = (K * density).cwiseAbs().maxCoeff();
-  if (!(speed > 0)) return areas;
+  if (!(speed > 0)) return {areas, {0, 0, true}};
   K *= 10 * density.mean() / speed;
   for (Eigen::Index i = 0; i < K.cols(); ++i) K.coeffRef(i, i) += 1;
   // The step is short and the matrix near its diagonal: an incomplete factor would cost more than it saves.
-  Eigen::ConjugateGradient<SparseMatrix, Eigen::Lower | Eigen::Upper> solver;
-  solver.setTolerance(1e-4);
-  solver.compute(K);
-  Eigen::VectorXd wanted = solver.solveWithGuess(density, density).cwiseProduct(shares);
-  if (!wanted.allFinite() || !(wanted.minCoeff() > 0)) return areas;
-  return wanted * (areas.sum() / wanted.sum());
+  IterativeOptions options;
+  options.tolerance = 1e-4;
+  options.preconditioner = Preconditioner::Diagonal;
+  RegularizedAreas result{areas, {}};
+  Eigen::MatrixXd diffused = density;
+  try {
+    result.solve = solve_conjugate_gradients(K, density, diffused, "diffusion of areas", options, progress);
+  } catch (const SolverFailure&) {
+    result.solve.residual = 1;  // nothing of the right-hand side was met
+    return result;
+  }
+  const Eigen::VectorXd wanted = diffused.col(0).cwiseProduct(shares);
+  if (wanted.minCoeff() > 0)
+    result.areas = wanted * (areas.sum() / wanted.sum());
+  else
+    result.solve.converged = false;
+  return result;
 }
 
 SparseMatrix relocation_matrix(const SparseMatrix& stiffness, const Points& positions,

@@ -2,6 +2,8 @@
 #include <Eigen/Core>
 
 #include "batten/core/arrays.hpp"
+#include "batten/core/progress.hpp"
+#include "batten/linalg/iterative.hpp"
 #include "batten/linalg/sparse_cholesky.hpp"
 #include "batten/operators/intrinsic.hpp"
 
@@ -13,15 +15,22 @@ namespace batten {
 SparseMatrix clamped_stiffness(const Triangles& triangles, const EdgeLengths& lengths,
                                Eigen::Index n_vertices);
 
+/// The areas of STEP 1.
+struct RegularizedAreas {
+  Eigen::VectorXd areas;
+  IterativeReport
+      solve;  ///< `converged` is false where it stopped early, or failed and left the areas as they were
+};
+
 /// STEP 1: the wanted vertex areas, one implicit step of ∂A/∂t = Δ_w A (2.38), with weights w_ij exp(−(H_i −
 /// H_j)²/σ) that stop at changes of curvature (2.39, 2.30; without the printed normalisation, which is not
 /// symmetric and loses area). τ = 10 Ā / max |L_w A|. Scaled to the sum of `areas`.
 /// @param stiffness as clamped_stiffness(). @param curvature |H| per vertex; scaled to maximum 1 inside.
 /// @param shares relative area per vertex that the surface asks for (sizes squared); the diffused quantity is
 /// area over share. All ones is H's form.
-Eigen::VectorXd regularized_areas(const SparseMatrix& stiffness, const Eigen::VectorXd& areas,
-                                  const Eigen::VectorXd& curvature, const Eigen::VectorXd& shares,
-                                  double sigma = 0.05);
+RegularizedAreas regularized_areas(const SparseMatrix& stiffness, const Eigen::VectorXd& areas,
+                                   const Eigen::VectorXd& curvature, const Eigen::VectorXd& shares,
+                                   double sigma = 0.05, const Progress& progress = {});
 
 struct RelocationWeights {
   double area = 0.5;  ///< λ_1 of (2.44): the pull of neighbours with too much area

@@ -32,6 +32,8 @@ constexpr double kSplitAbove = 4.0 / 3.0, kCollapseBelow = 4.0 / 5.0;
 constexpr double kScatter = 0.14;
 /// Edge lengths change by at most this per unit of length: neighbouring triangles stay well shaped.
 constexpr double kGradation = 0.25;
+/// σ of the weights of STEP 1 (H 2.39).
+constexpr double kAreaSimilarity = 0.05;
 
 void check(const TriangleMesh& mesh, const RemeshOptions& options) {
   if (mesh.n_triangles() == 0) throw InvalidInput("there are no triangles to remesh");
@@ -99,10 +101,10 @@ struct Reference {
   Points positions;
   Triangles triangles;
   Eigen::VectorXd sizes;
-  TriangleTree tree;
+  std::optional<TriangleTree> tree;
 
   Reference(const HalfedgeMesh::Compact& compact, const Eigen::VectorXd& sizes_of_halfedge_mesh)
-      : positions(compact.positions), triangles(compact.triangles), tree(positions, triangles) {
+      : positions(compact.positions), triangles(compact.triangles), tree(TriangleTree(positions, triangles)) {
     sizes.resize(positions.rows());
     for (std::size_t v = 0; v < compact.vertices.size(); ++v)
       sizes[static_cast<Eigen::Index>(v)] = sizes_of_halfedge_mesh[compact.vertices[v]];
@@ -159,9 +161,11 @@ class Remesher {
     for (const int c : state_->corner) report_.corners += c >= 0 ? 1 : 0;
     double last_variance = 0;
     for (int round = 0; round < options_.max_iterations && !report_.converged; ++round) {
-      progress_.report("remeshing", static_cast<double>(round) / (options_.max_iterations + 2));
-      change_connectivity(round);
-      const double variance = regularize(5);
+      const Progress part =
+          progress_.part("remeshing", static_cast<double>(round) / (options_.max_iterations + 2),
+                         (round + 1.0) / (options_.max_iterations + 2));
+      change_connectivity(round, part.part("connectivity", 0, 0.5));
+      const double variance = regularize(5, part.part("regularization", 0.5, 1));
       report_.area_variance.push_back(variance);
       ++report_.iterations;
       report_.converged = round > 0 && std::abs(variance - last_variance) < options_.tolerance;
@@ -181,20 +185,24 @@ class Remesher {
 
  private:
   /// STEP 0. The sizes are scaled towards the wanted number of vertices after the first rounds.
-  void change_connectivity(int round) {
+  void change_connectivity(int round, const Progress& progress) {
     ScopedStage stage(times_, "connectivity");
     if (round >= 2 && round < 8) {
       const double ratio = std::sqrt(state_->mesh.n_vertices() / target_vertices_);
       scale_ *= ratio;
       for (double& size : state_->size) size *= ratio;
     }
-    state_->split_long_edges(kSplitAbove);
-    state_->collapse_short_edges(kCollapseBelow, kSplitAbove);
+    progress.report("split", 0);
+    state_->split_long_edges(kSplitAbove, progress.part("split", 0, 0.3));
+    progress.report("collapse", 0.3);
+    state_->collapse_short_edges(kCollapseBelow, kSplitAbove, progress.part("collapse", 0.3, 0.7));
+    progress.report("flip", 0.7);
     state_->flip_for_valence(radians(20.0), radians(15.0));
   }
 
   /// STEP 1 and 2, and back to the surface. @return Var(A) / (N Ā²) of the areas over their shares.
-  double regularize(int steps) {
+  double regularize(int steps, const Progress& progress) {
+    progress.report("regularization", 0);
     const HalfedgeMesh::Compact compact = state_->mesh.compacted();
     const Points& X = compact.positions;
     const Eigen::Index n = X.rows();
@@ -211,6 +219,7 @@ class Remesher {
       const Eigen::VectorXd shares = lengths.cwiseAbs2() / lengths.cwiseAbs2().mean();
       const EdgeLengths edges = edge_lengths(X, compact.triangles);
       const SparseMatrix K = clamped_stiffness(compact.triangles, edges, n);
+      progress.report("regularization", 0.15);
       const Eigen::VectorXd areas = lumped_mass(compact.triangles, edges, n);
       const Eigen::VectorXd relative = areas.cwiseQuotient(shares);
       variance = (relative.array() - relative.mean()).square().mean() / (relative.mean() * relative.mean());
@@ -221,21 +230,32 @@ class Remesher {
         // On kept edges curvature is that of the edge and says nothing of the faces beside it.
         for (Eigen::Index v = 0; v < n; ++v)
           if (fixed[v] != 0) H[v] = 0;
-        const Eigen::VectorXd wanted = regularized_areas(K, areas, H, shares);
-        L = relocation_matrix(K, X, areas, wanted, lengths, H);
+        progress.report("regularization", 0.3);
+        const RegularizedAreas wanted = regularized_areas(K, areas, H, shares, kAreaSimilarity,
+                                                          progress.part("regularization", 0.35, 0.5));
+        add(wanted.solve);
+        progress.report("regularization", 0.5);
+        L = relocation_matrix(K, X, areas, wanted.areas, lengths, H);
       } else {
         L = laplacian_flow_matrix(K, areas, shares);
       }
+      progress.report("regularization", 0.7);
       moved = relocated(L, X, normals, lengths, fixed, steps);
     }
     for (Eigen::Index v = 0; v < n; ++v)
       if (fixed[v] == 0) state_->mesh.set_position(compact.vertices[v], moved.row(v));
     state_->relax_chains(0.5);
-    project();
+    progress.report("projection", 0.8);
+    project(progress.part("projection", 0.8, 1));
     return variance;
   }
 
-  void project() {
+  void add(const IterativeReport& solve) {
+    report_.unconverged_solves += solve.converged ? 0 : 1;
+    report_.largest_residual = std::max(report_.largest_residual, solve.residual);
+  }
+
+  void project(const Progress& progress) {
     ScopedStage stage(times_, "projection");
     HalfedgeMesh& mesh = state_->mesh;
     std::vector<int> vertices;
@@ -244,7 +264,7 @@ class Remesher {
     Points queries(static_cast<Eigen::Index>(vertices.size()), 3);
     for (std::size_t i = 0; i < vertices.size(); ++i)
       queries.row(static_cast<Eigen::Index>(i)) = mesh.position(vertices[i]);
-    const std::vector<ClosestPoint> closest = reference_->tree.closest(queries);
+    const std::vector<ClosestPoint> closest = reference_->tree->closest(queries, progress);
     for (std::size_t i = 0; i < vertices.size(); ++i) {
       const int v = vertices[i];
       if (state_->is_free(v)) mesh.set_position(v, closest[i].point);
@@ -254,27 +274,42 @@ class Remesher {
 
   void finish() {
     for (int round = 0; round < 3; ++round) {
-      progress_.report("remeshing",
-                       static_cast<double>(options_.max_iterations) / (options_.max_iterations + 2));
+      const double done = options_.max_iterations + round / 3.0;
+      const Progress part = progress_.part("remeshing", done / (options_.max_iterations + 2),
+                                           (done + 1.0 / 3) / (options_.max_iterations + 2));
+      part.report("flips", 0);
       {
         ScopedStage stage(times_, "connectivity");
         state_->flip_for_angles(radians(20.0));
       }
-      regularize(3);
+      regularize(3, part.part("regularization", 0.3, 1));
     }
     // The Laplacian flow is there to be compared with: it ends here, as its authors have it.
     if (options_.method == RemeshMethod::LaplacianFlow) return;
-    progress_.report("remeshing", (options_.max_iterations + 1.0) / (options_.max_iterations + 2));
+    fit(progress_.part("remeshing", (options_.max_iterations + 1.0) / (options_.max_iterations + 2), 1));
+  }
+
+  /// Vertices and edges to where the triangles fit the old surface best.
+  void fit(const Progress& progress) {
     ScopedStage stage(times_, "fit");
-    const HalfedgeMesh::Compact compact = state_->mesh.compacted();
-    std::vector<char> fixed;
-    for (const int v : compact.vertices) fixed.push_back(state_->is_free(v) ? 0 : 1);
-    const ReferenceSamples reference =
-        sample_reference(compact.positions, compact.triangles, reference_->positions, reference_->triangles);
-    const Points fit = fitted_to_surface(compact.positions, compact.triangles, fixed, reference);
-    for (std::size_t v = 0; v < compact.vertices.size(); ++v)
-      state_->mesh.set_position(compact.vertices[v], fit.row(static_cast<Eigen::Index>(v)));
-    fit_normals(*state_, features_, reference_->positions, reference_->triangles, reference, {}, progress_);
+    progress.report("fit", 0);
+    reference_->tree.reset();  // no longer needed, and a third of what is in memory
+    ReferenceSamples reference;
+    {
+      const HalfedgeMesh::Compact compact = state_->mesh.compacted();
+      std::vector<char> fixed;
+      for (const int v : compact.vertices) fixed.push_back(state_->is_free(v) ? 0 : 1);
+      reference = sample_reference(compact.positions, compact.triangles, reference_->positions,
+                                   reference_->triangles, progress.part("samples", 0, 0.3));
+      progress.report("fit", 0.3);
+      const SurfaceFitResult fitted = fitted_to_surface(compact.positions, compact.triangles, fixed,
+                                                        reference, {}, progress.part("fit", 0.3, 0.4));
+      add(fitted.solve);
+      for (std::size_t v = 0; v < compact.vertices.size(); ++v)
+        state_->mesh.set_position(compact.vertices[v], fitted.positions.row(static_cast<Eigen::Index>(v)));
+    }
+    fit_normals(*state_, features_, reference_->positions, reference_->triangles, std::move(reference), {},
+                progress.part("fitting normals", 0.4, 1));
   }
 
   RemeshOptions options_;

@@ -51,6 +51,10 @@ struct RemeshReport {
   int corners = 0;                    ///< vertices that were never moved
   std::vector<double> area_variance;  ///< Var(A) / (N Ā²) of relative areas after every round
   double target_vertices = 0;
+  /// Iterative solves (diffusion of areas, fit to the surface) that stopped before they converged, and the
+  /// largest relative residual of any.
+  int unconverged_solves = 0;
+  double largest_residual = 0;
 };
 
 struct RemeshResult {

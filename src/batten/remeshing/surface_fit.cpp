@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Geometry>
-#include <Eigen/IterativeLinearSolvers>
 
-#include "batten/linalg/sparse_cholesky.hpp"
+#include "batten/core/error.hpp"
 #include "batten/mesh/normals.hpp"
 #include "batten/operators/laplacian.hpp"
 
@@ -30,8 +30,9 @@ struct Corners {
 
 }  // namespace
 
-Points fitted_to_surface(const Points& positions, const Triangles& triangles, const std::vector<char>& fixed,
-                         const ReferenceSamples& reference, const SurfaceFitOptions& options) {
+SurfaceFitResult fitted_to_surface(const Points& positions, const Triangles& triangles,
+                                   const std::vector<char>& fixed, const ReferenceSamples& reference,
+                                   const SurfaceFitOptions& options, const Progress& progress) {
   const Eigen::Index n = positions.rows(), m = triangles.rows();
   const EdgeLengths lengths = edge_lengths(positions, triangles);
   const double slope_weight = options.normals * std::pow(lengths.mean(), 2);
@@ -40,11 +41,12 @@ Points fitted_to_surface(const Points& positions, const Triangles& triangles, co
   for (Eigen::Index i = 0; i < A.nonZeros(); ++i) A.valuePtr()[i] = 0;
   Eigen::VectorXd right = Eigen::VectorXd::Zero(n);
   std::vector<Matrix3d> block(m, Matrix3d::Zero());
-  for (std::size_t s = 0; s < reference.samples.size(); ++s) {
-    const AreaSample& sample = reference.samples[s];
-    const ClosestPoint& at = reference.nearest[s];
-    const Eigen::Index f = at.element;
+  for (std::size_t s = 0; s < reference.points.size(); ++s) {
+    const SamplePoint& point = reference.points[s];
+    const SampledTriangle& sample = reference.pieces[point.triangle];
+    const Eigen::Index f = reference.nearest[s];
     const Corners corners(positions, triangles, f);
+    const ClosestPoint at = closest_point_on_triangle(point.point, corners.a, corners.b, corners.c);
     const Vector3d cross = corners.cross();
     const double doubled = cross.norm();
     if (!(doubled > 0)) continue;
@@ -54,7 +56,7 @@ Points fitted_to_surface(const Points& positions, const Triangles& triangles, co
     Vector3d row;
     for (int k = 0; k < 3; ++k)
       row[k] = at.weights[k] * normal.dot(Vector3d(vertex_normals.row(triangles(f, k))));
-    const double residual = normal.dot(sample.point - at.point);
+    const double residual = normal.dot(point.point - at.point);
     block[f] += sample.area * row * row.transpose();
     // Slope: the normal turns by −∇t, which should be `turn`. Gradients of the hat functions are the opposite
     // edges, turned by a right angle, over twice the area.
@@ -83,12 +85,19 @@ Points fitted_to_surface(const Points& positions, const Triangles& triangles, co
       right[v] = 0;
     }
   }
-  Eigen::ConjugateGradient<SparseMatrix, Eigen::Lower | Eigen::Upper> solver;
-  solver.setTolerance(1e-4);
-  solver.setMaxIterations(200);
-  solver.compute(A);
-  const Eigen::VectorXd t = solver.solve(right);
-  if (!t.allFinite()) return positions;
+  IterativeOptions solver;
+  solver.tolerance = 1e-4;
+  solver.max_iterations = 200;
+  solver.preconditioner = Preconditioner::Diagonal;
+  SurfaceFitResult result{positions, {}};
+  Eigen::MatrixXd solution;
+  try {
+    result.solve = solve_conjugate_gradients(A, right, solution, "fit to the surface", solver, progress);
+  } catch (const SolverFailure&) {
+    result.solve.residual = 1;  // nothing of the right-hand side was met
+    return result;
+  }
+  const Eigen::VectorXd t = solution;
 
   Eigen::VectorXd shortest = Eigen::VectorXd::Constant(n, std::numeric_limits<double>::infinity());
   for (Eigen::Index f = 0; f < m; ++f)
@@ -96,11 +105,10 @@ Points fitted_to_surface(const Points& positions, const Triangles& triangles, co
       double& value = shortest[triangles(f, k)];
       value = std::min({value, lengths(f, (k + 1) % 3), lengths(f, (k + 2) % 3)});
     }
-  Points result = positions;
   for (Eigen::Index v = 0; v < n; ++v)
     if (fixed[v] == 0 && std::isfinite(shortest[v])) {
       const double limit = options.most * shortest[v];
-      result.row(v) += std::clamp(t[v], -limit, limit) * vertex_normals.row(v);
+      result.positions.row(v) += std::clamp(t[v], -limit, limit) * vertex_normals.row(v);
     }
   return result;
 }
