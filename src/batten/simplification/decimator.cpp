@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 
+#include "batten/core/parallel.hpp"
 #include "batten/simplification/decimator_detail.hpp"
 
 namespace batten::simplification {
@@ -79,25 +80,39 @@ bool CostQueue::pop(Entry& entry) {
   return true;
 }
 
-Decimator::Decimator(HalfedgeMesh& mesh, FaceTree& tree, const DecimatorOptions& options)
+Decimator::Decimator(HalfedgeMesh& mesh, FaceTree& tree, const DecimatorOptions& options,
+                     const Progress& progress)
     : mesh_(mesh), tree_(tree), options_(options) {
   quadric_.resize(mesh.vertex_capacity());
   sum_normal_.resize(mesh.vertex_capacity());
   stamp_.assign(mesh.halfedge_capacity(), 0);
   stale_.assign(mesh.halfedge_capacity(), 0);
-  for (int v = 0; v < mesh.vertex_capacity(); ++v)
-    if (mesh.has_vertex(v)) update_vertex(v);
-  if (options_.flowed != nullptr) {
-    for (int h = 0; h < mesh.halfedge_capacity(); ++h) {
-      if (!mesh.is_representative(h)) continue;
-      const double cost = place(h).cost;
-      if (std::isfinite(cost)) largest_cost_ = std::max(largest_cost_, cost);
-      largest_length_ = std::max(largest_length_,
-                                 ((*options_.flowed)[mesh.from(h)] - (*options_.flowed)[mesh.to(h)]).norm());
+  const auto update = [&](Eigen::Index begin, Eigen::Index end) {
+    for (int v = static_cast<int>(begin); v < end; ++v)
+      if (mesh.has_vertex(v)) update_vertex(v);
+  };
+  parallel_for(mesh.vertex_capacity(), 2048, update, progress.part("collapse", 0, 0.01));
+  enqueue_all(progress.part("collapse", 0.01, 0.05));
+}
+
+void Decimator::enqueue_all(const Progress& progress) {
+  const int n = mesh_.halfedge_capacity();
+  std::vector<double> orders(n, 0.0);
+  const auto place_edges = [&](Eigen::Index begin, Eigen::Index end) {
+    for (int h = static_cast<int>(begin); h < end; ++h)
+      if (mesh_.is_representative(h)) orders[h] = place(h).cost;
+  };
+  parallel_for(n, 4096, place_edges, progress);
+  if (options_.flowed != nullptr)
+    for (int h = 0; h < n; ++h) {
+      if (!mesh_.is_representative(h)) continue;
+      if (std::isfinite(orders[h])) largest_cost_ = std::max(largest_cost_, orders[h]);
+      largest_length_ = std::max(
+          largest_length_, ((*options_.flowed)[mesh_.from(h)] - (*options_.flowed)[mesh_.to(h)]).norm());
     }
-  }
-  for (int h = 0; h < mesh.halfedge_capacity(); ++h)
-    if (mesh.is_representative(h)) enqueue(h);
+  progress.report("collapse", 1);
+  for (int h = 0; h < n; ++h)
+    if (mesh_.is_representative(h)) enqueue(h, order_of(h, orders[h]));
 }
 
 void Decimator::update_vertex(int v) {
@@ -236,8 +251,7 @@ bool Decimator::is_allowed(int h, const Vector3d& p) {
   return !tree_.intersects(star_, replaced_);
 }
 
-void Decimator::enqueue(int h) {
-  const double order = order_of(h, place(h).cost);
+void Decimator::enqueue(int h, double order) {
   stale_[h] = 0;
   stamp_[h] = 0;
   if (!std::isfinite(order)) return;
@@ -248,7 +262,8 @@ void Decimator::enqueue(int h) {
 void Decimator::run(int faces, double max_cost, const Progress& progress) {
   const int before = mesh_.n_faces();
   int steps = 0;
-  progress.report("collapse", 0);
+  const Progress part = progress.part("collapse", 0.05, 1);
+  part.report("collapse", 0);
   std::vector<int> ring;
   CostQueue::Entry entry{};
   while (mesh_.n_faces() > faces && queue_.pop(entry)) {
@@ -273,7 +288,7 @@ void Decimator::run(int faces, double max_cost, const Progress& progress) {
     if (options_.flowed != nullptr)
       (*options_.flowed)[v] = 0.5 * Vector3d((*options_.flowed)[u] + (*options_.flowed)[v]);
     if (++steps % 1024 == 0) {
-      progress.report("collapse", (before - mesh_.n_faces()) / std::max(1.0, double(before - faces)));
+      part.report("collapse", (before - mesh_.n_faces()) / std::max(1.0, double(before - faces)));
       tree_.rebuild_if_thinned();
     }
     ring.clear();

@@ -58,7 +58,8 @@ class CostQueue {
 /// [lindstrom1998], not of the input [garland1997], with the volume held by every collapse.
 class Decimator {
  public:
-  Decimator(HalfedgeMesh& mesh, FaceTree& tree, const DecimatorOptions& options);
+  Decimator(HalfedgeMesh& mesh, FaceTree& tree, const DecimatorOptions& options,
+            const Progress& progress = {});
   /// Collapses until at most `faces` are left or the least cost exceeds `max_cost`.
   void run(int faces, double max_cost, const Progress& progress);
   /// Called before a collapse of half-edge h to a point.
@@ -76,7 +77,10 @@ class Decimator {
   /// Where marked edges allow the vertex of a collapse to lie.
   Hold held(int h) const;
   bool is_allowed(int h, const Eigen::Vector3d& p);
-  void enqueue(int h);
+  void enqueue(int h) { enqueue(h, order_of(h, place(h).cost)); }
+  void enqueue(int h, double order);
+  /// Costs of all edges, and the largest that (2.100) divides by.
+  void enqueue_all(const Progress& progress);
   int representative(int h) const { return mesh_.is_representative(h) ? h : mesh_.opposite(h); }
 
   HalfedgeMesh& mesh_;

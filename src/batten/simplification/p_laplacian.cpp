@@ -23,8 +23,8 @@ std::optional<std::string> PLaplacianOptions::problem() const {
   return std::nullopt;
 }
 
-Points p_laplacian_flow(const Points& positions, const Triangles& triangles,
-                        const PLaplacianOptions& options) {
+Points p_laplacian_flow(const Points& positions, const Triangles& triangles, const PLaplacianOptions& options,
+                        const Progress& progress) {
   if (const auto problem = options.problem()) throw InvalidInput(*problem);
   const Eigen::Index n = positions.rows();
   if (triangles.rows() == 0 || options.steps == 0) return positions;
@@ -68,6 +68,9 @@ Points p_laplacian_flow(const Points& positions, const Triangles& triangles,
   std::vector<Eigen::Triplet<double>> triplets;
   Eigen::VectorXd gradient2(n), b(n), diagonal(n);
   for (int step = 0; step < options.steps; ++step) {
+    const Progress part =
+        progress.part("flow", static_cast<double>(step) / options.steps, (step + 1.0) / options.steps);
+    part.report("flow", 0);
     // |∇f(X_i)|² over all edges at i and all coordinates (2.91, 2.96), in mean edge lengths.
     gradient2.setZero();
     for (const Edge& e : edges) {
@@ -95,7 +98,7 @@ Points p_laplacian_flow(const Points& positions, const Triangles& triangles,
     }
     SparseMatrix A(n, n);
     A.setFromTriplets(triplets.begin(), triplets.end());
-    solver.factorize(A);
+    solver.factorize(A, part);
     X = solver.solve(right);
   }
   return X;

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "batten/core/arrays.hpp"
+#include "batten/core/progress.hpp"
 
 namespace batten {
 
@@ -34,8 +35,8 @@ struct PLaplacianOptions {
 /// (docs/errata.md#h-2-98): (I + dt L_p + dt Λ) X' = X + dt Λ X⁰, with L_p of (2.95) rebuilt from X in every
 /// step. All three coordinates share one matrix (2.96), symmetric positive definite.
 /// @return n × 3 positions; vertices without faces and on the border stay.
-/// @throws InvalidInput on bad options; SolverFailure.
+/// @throws InvalidInput on bad options; SolverFailure; Cancelled.
 Points p_laplacian_flow(const Points& positions, const Triangles& triangles,
-                        const PLaplacianOptions& options = {});
+                        const PLaplacianOptions& options = {}, const Progress& progress = {});
 
 }  // namespace batten

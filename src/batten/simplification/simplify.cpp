@@ -10,6 +10,7 @@
 #include <Eigen/Geometry>
 
 #include "batten/core/error.hpp"
+#include "batten/core/parallel.hpp"
 #include "batten/core/text.hpp"
 #include "batten/core/units.hpp"
 #include "batten/mesh/distance.hpp"
@@ -81,6 +82,7 @@ class Simplification {
         mesh_(input.positions, input.triangles, NonManifoldVertices::Split),
         tree_(mesh_),
         representative_(mesh_.vertex_capacity()) {
+    progress.report("collapse", 0);
     if (mesh_.vertex_capacity() > input.n_vertices())
       result_.warnings.push_back(
           concat("several fans of faces meet in one point at ", mesh_.vertex_capacity() - input.n_vertices(),
@@ -128,7 +130,7 @@ class Simplification {
       ScopedStage stage(result_.times, "flow");
       progress_.report("flow", 0);
       const HalfedgeMesh::Compact compact = mesh_.compacted();
-      const Points moved = p_laplacian_flow(compact.positions, compact.triangles, options_.flow);
+      const Points moved = p_laplacian_flow(compact.positions, compact.triangles, options_.flow, progress_);
       flowed.assign(mesh_.vertex_capacity(), Vector3d::Zero());
       for (std::size_t v = 0; v < compact.vertices.size(); ++v)
         flowed[compact.vertices[v]] = moved.row(static_cast<Eigen::Index>(v));
@@ -137,7 +139,7 @@ class Simplification {
       options.beta = options_.beta;
     }
     ScopedStage stage(result_.times, "collapse");
-    Decimator decimator(mesh_, tree_, options);
+    Decimator decimator(mesh_, tree_, options, progress_);
     decimator.on_collapse = [&](int h, const Vector3d& point) {
       representative_.join(mesh_.from(h), mesh_.to(h));
       ++result_.collapses;
@@ -170,6 +172,7 @@ class Simplification {
   }
 
   void fit() {
+    progress_.report("fit", 0);
     std::vector<SurfaceSample> samples = simplification::sample_surface(
         input_.positions, input_.triangles, sample_count(input_.n_triangles(), mesh_.n_faces()));
     std::vector<int> source(samples.size());
@@ -177,17 +180,7 @@ class Simplification {
     FitOptions options;
     options.rounds = options_.fit_rounds;
     SurfaceFit fit(mesh_, tree_, std::move(samples), options);
-    for (std::size_t s = 0; s < source.size(); ++s) {
-      // A face whose vertices were split is found by them all the same: corners of the input keep a number.
-      std::array<int, 3> start{};
-      int n = 0;
-      for (int k = 0; k < 3; ++k) {
-        const int v = representative_(input_.triangles(source[s], k));
-        if (mesh_.has_vertex(v) && std::find(start.begin(), start.begin() + n, v) == start.begin() + n)
-          start[n++] = v;
-      }
-      fit.start_at(static_cast<int>(s), start.data(), n);
-    }
+    start(fit, source);
     if (options_.keep_history) {
       std::vector<Vector3d> positions(mesh_.vertex_capacity());
       std::vector<int> corners(mesh_.halfedge_capacity());
@@ -213,6 +206,27 @@ class Simplification {
     }
     result_.rms_error = fit.rms();
     result_.max_error = fit.largest_distance();
+  }
+
+  /// Starts every sample near the faces that stand for the one it comes from.
+  void start(SurfaceFit& fit, const std::vector<int>& source) {
+    std::vector<int> standing(static_cast<std::size_t>(input_.n_vertices()));
+    for (std::size_t v = 0; v < standing.size(); ++v) standing[v] = representative_(static_cast<int>(v));
+    const auto start_some = [&](Eigen::Index begin, Eigen::Index end) {
+      for (Eigen::Index s = begin; s < end; ++s) {
+        // A face whose vertices were split is found by them all the same: corners of the input keep a number.
+        std::array<int, 3> vertices{};
+        int n = 0;
+        for (int k = 0; k < 3; ++k) {
+          const int v = standing[input_.triangles(source[s], k)];
+          if (mesh_.has_vertex(v) &&
+              std::find(vertices.begin(), vertices.begin() + n, v) == vertices.begin() + n)
+            vertices[n++] = v;
+        }
+        fit.start_at(static_cast<int>(s), vertices.data(), n);
+      }
+    };
+    parallel_for(static_cast<Eigen::Index>(source.size()), 1024, start_some, progress_.part("fit", 0, 0));
   }
 
   TriangleMesh as_mesh(const HalfedgeMesh::Compact& compact) const {

@@ -5,6 +5,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
+#include "batten/core/parallel.hpp"
 #include "batten/core/units.hpp"
 #include "batten/simplification/surface_fit_detail.hpp"
 
@@ -17,6 +18,7 @@ namespace {
 
 constexpr int kNone = HalfedgeMesh::kNone;
 constexpr double kLeastCosine = 0.2;   ///< between the normals of a face before and after a step
+constexpr int kTriesPerReport = 256;   ///< moves or flips: some 10 ms
 constexpr double kLeastHeight = 0.02;  ///< of a triangle over its longest edge, unless it was worse before
 
 /// Closest point of a triangle; after [ericson2005], 5.1.5.
@@ -123,27 +125,33 @@ void SurfaceFit::start_at(int s, const int* vertices, int n) {
     });
 }
 
-void SurfaceFit::locate() {
-  first_.assign(mesh_.face_capacity(), kNone);
-  next_.resize(samples_.size());
-  double sum = 0;
-  for (int s = static_cast<int>(samples_.size()) - 1; s >= 0; --s) {
-    locate_one(s);
-    const SurfaceSample& sample = samples_[s];
-    Located& at = located_[s];
-    const int f = sample.face;
-    const Vector3d n = mesh_.area_normal(f);
-    if (at.weights[0] > 0 && at.weights[1] > 0 && at.weights[2] > 0) {
-      at.direction = n.normalized();
-    } else {
+void SurfaceFit::locate(const Progress& progress) {
+  const auto search = [&](Eigen::Index begin, Eigen::Index end) {
+    for (int s = static_cast<int>(begin); s < end; ++s) {
+      locate_one(s);
+      const SurfaceSample& sample = samples_[s];
+      Located& at = located_[s];
+      const int f = sample.face;
+      const Vector3d n = mesh_.area_normal(f);
+      if (at.weights[0] > 0 && at.weights[1] > 0 && at.weights[2] > 0) {
+        at.direction = n.normalized();
+        continue;
+      }
       Vector3d d = sample.point;
       for (int k = 0; k < 3; ++k) d -= at.weights[k] * mesh_.position(mesh_.from(3 * f + k));
       // On the surface itself the difference has no direction.
       at.direction = at.squared > 1e-20 * n.norm() ? d.normalized() : n.normalized();
     }
+  };
+  parallel_for(static_cast<Eigen::Index>(samples_.size()), 1024, search, progress);
+  first_.assign(mesh_.face_capacity(), kNone);
+  next_.resize(samples_.size());
+  double sum = 0;
+  for (int s = static_cast<int>(samples_.size()) - 1; s >= 0; --s) {
+    const int f = samples_[s].face;
     next_[s] = first_[f];
     first_[f] = s;
-    sum += sample.area * at.squared;
+    sum += samples_[s].area * located_[s].squared;
   }
   rms_ = std::sqrt(sum / area_);
 }
@@ -211,10 +219,13 @@ bool SurfaceFit::try_flip(int h) {
   return true;
 }
 
-int SurfaceFit::flip_edges() {
-  int flipped = 0;
-  for (int h = 0; h < mesh_.halfedge_capacity(); ++h)
+int SurfaceFit::flip_edges(const Progress& progress) {
+  int flipped = 0, tried = 0;
+  for (int h = 0; h < mesh_.halfedge_capacity(); ++h) {
+    if (mesh_.has_halfedge(h) && tried++ % kTriesPerReport == 0)
+      progress.report("flips", h / static_cast<double>(mesh_.halfedge_capacity()));
     if (mesh_.has_halfedge(h) && mesh_.is_representative(h) && try_flip(h)) ++flipped;
+  }
   return flipped;
 }
 
@@ -328,10 +339,13 @@ bool SurfaceFit::try_move(int v) {
   return false;
 }
 
-int SurfaceFit::move_vertices() {
-  int moved = 0;
-  for (int v = 0; v < mesh_.vertex_capacity(); ++v)
+int SurfaceFit::move_vertices(const Progress& progress) {
+  int moved = 0, tried = 0;
+  for (int v = 0; v < mesh_.vertex_capacity(); ++v) {
+    if (mesh_.has_vertex(v) && tried++ % kTriesPerReport == 0)
+      progress.report("moves", v / static_cast<double>(mesh_.vertex_capacity()));
     if (mesh_.has_vertex(v) && !mesh_.is_border_vertex(v) && try_move(v)) ++moved;
+  }
   return moved;
 }
 
@@ -354,18 +368,20 @@ void SurfaceFit::run(const Progress& progress) {
   if (samples_.empty() || !(area_ > 0) || mesh_.n_faces() == 0) return;
   spacing_ = std::sqrt(area_ / static_cast<double>(samples_.size()));
   shape_pull_ = options_.shape_pull;
-  locate();
+  locate(progress.part("fit", 0, 0.05));
   const double rms_before = rms_;
   largest_ = std::pow(largest_distance(), 2);
   for (int round = 0; round < options_.rounds; ++round) {
-    progress.report("fit", round / static_cast<double>(options_.rounds));
+    const double rounds = options_.rounds;
+    const Progress part =
+        progress.part("fit", 0.05 + 0.95 * round / rounds, 0.05 + 0.95 * (round + 1) / rounds);
     // 38° is what error-driven collapses reach on smooth shapes at best; 32° and less is poor.
     const double poor = std::clamp((38 - degrees(mean_smallest_angle())) / 6, 0.0, 1.0);
     budget_ = rms_before * (options_.budget_good + (options_.budget_poor - options_.budget_good) * poor);
     if (round > 1 && rms_ > 0) shape_pull_ *= std::clamp(std::pow(0.985 * budget_ / rms_, 6), 0.2, 4.0);
-    flip_edges();
-    move_vertices();
-    locate();
+    flip_edges(part.part("flips", 0, 0.2));
+    move_vertices(part.part("moves", 0.2, 0.8));
+    locate(part.part("samples", 0.8, 1));
   }
 }
 

@@ -43,16 +43,17 @@ class SurfaceFit {
  public:
   SurfaceFit(HalfedgeMesh& mesh, FaceTree& tree, std::vector<SurfaceSample> samples,
              const FitOptions& options);
-  /// Starts the search for sample s at the best of the faces around some vertices.
+  /// Starts the search for sample s at the best of the faces around some vertices. Several samples may be
+  /// started at once.
   void start_at(int s, const int* vertices, int n);
   void run(const Progress& progress);
   /// Root mean square and largest distance of the samples, after the last locate().
   double rms() const { return rms_; }
   double largest_distance() const;
 
-  void locate();
-  int flip_edges();
-  int move_vertices();
+  void locate(const Progress& progress = {});
+  int flip_edges(const Progress& progress = {});
+  int move_vertices(const Progress& progress = {});
 
  private:
   struct Located {
