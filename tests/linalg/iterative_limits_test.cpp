@@ -1,4 +1,5 @@
-// What all iterative solvers promise at the edges: warm starts, several columns, limits, numbers that are not finite.
+// What all iterative solvers promise at the edges: warm starts, several columns, limits, numbers that are not
+// finite.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -63,8 +64,8 @@ TEST(Iterative, SaysWhenItDidNotConverge) {
     EXPECT_FALSE(report.converged);
     EXPECT_EQ(report.iterations, 1);
     const Eigen::MatrixXd r = B - A * X;
-    const double residual =
-        solver == Solver::Lsqr ? (A.transpose() * r).norm() / (A.transpose() * B).norm() : r.norm() / B.norm();
+    const double residual = solver == Solver::Lsqr ? (A.transpose() * r).norm() / (A.transpose() * B).norm()
+                                                   : r.norm() / B.norm();
     EXPECT_NEAR(report.residual, residual, 1e-9 * residual);
     EXPECT_GT(residual, 1e-13);
   }
@@ -137,8 +138,8 @@ TEST(Iterative, RefusesNumbersThatAreNotFinite) {
   }
 }
 
-// From a start that is right to six digits the other five cost less than all eleven; nothing asks for digits that
-// are not there.
+// From a start that is right to six digits the other five cost less than all eleven; nothing asks for digits
+// that are not there.
 TEST(Iterative, AGoodStartSavesIterations) {
   const SparseMatrix A = scattered(200);
   const Eigen::MatrixXd x = Eigen::MatrixXd::Random(200, 1), b = A * x;
