@@ -139,6 +139,47 @@ TEST(IntrinsicDelaunay, LeavesNoNegativeWeightAndKeepsTheArea) {
   EXPECT_LT((edge_lengths(mesh.positions, flipped.triangles) - flipped.lengths).norm(), 1e-11);
 }
 
+/// The sides of one triangle, each opposite its corner.
+EdgeLengths sides(double a, double b, double c) {
+  return (EdgeLengths(1, 3) << a, b, c).finished();
+}
+
+// Corner 0 of the needle has the angle 1e-6 and so a cotangent of 1e6, the others are almost right angles. Of
+// a triangle without area the angles are π opposite the longest side and 0: cotangents −∞ and +∞.
+TEST(CotangentStiffness, HoldsNeedlesAndFlatTrianglesWithinTheBound) {
+  const Triangles one = (Triangles(1, 3) << 0, 1, 2).finished();
+  for (const double bound : {1e3, 20.0}) {
+    const Eigen::MatrixXd needle = cotangent_stiffness(one, sides(1e-6, 1, 1), 3, {bound});
+    EXPECT_DOUBLE_EQ(needle(1, 2), -0.5 * bound);
+    EXPECT_NEAR(needle(0, 1), 0, 1e-6);
+    const Eigen::MatrixXd flat = cotangent_stiffness(one, sides(2, 1, 1), 3, {bound});
+    EXPECT_DOUBLE_EQ(flat(1, 2), 0.5 * bound);
+    EXPECT_DOUBLE_EQ(flat(0, 1), -0.5 * bound);
+    EXPECT_DOUBLE_EQ(flat(0, 2), -0.5 * bound);
+  }
+}
+
+// Every edge counts once, whether one triangle has it or two.
+TEST(UniformStiffness, IsTheGraphLaplacianAlsoOnBorders) {
+  const Triangles two = (Triangles(2, 3) << 0, 1, 2, 2, 1, 3).finished();
+  Eigen::Matrix4d expected;
+  expected << 2, -1, -1, 0, -1, 3, -1, -1, -1, -1, 3, -1, 0, -1, -1, 2;
+  EXPECT_EQ(Eigen::MatrixXd(uniform_stiffness(two, 4)), Eigen::MatrixXd(expected));
+}
+
+// On a tetrahedron all vertices are joined, so that a flip would join two of them twice: none is made,
+// however obtuse the angles at 2 and 3 are, which lie opposite the long edge 0-1.
+TEST(IntrinsicDelaunay, MakesNoDoubleEdges) {
+  const Points positions = (Points(4, 3) << -2, 0, 0, 2, 0, 0, 0, 0.5, 0.1, 0, -0.5, 0.1).finished();
+  const Triangles triangles = (Triangles(4, 3) << 2, 0, 1, 3, 1, 0, 2, 1, 3, 2, 3, 0).finished();
+  const EdgeLengths lengths = edge_lengths(positions, triangles);
+  const SparseMatrix K = cotangent_stiffness(triangles, lengths, 4);
+  ASSERT_GT(K.coeff(0, 1), 0.1);  // a negative weight: the edge is not Delaunay
+  const IntrinsicTriangulation result = intrinsic_delaunay(triangles, lengths);
+  EXPECT_EQ(result.flips, 0);
+  EXPECT_EQ(result.triangles, triangles);
+}
+
 TEST(OppositeHalfEdges, FindsBordersAndRefusesThreeTrianglesAtAnEdge) {
   Triangles triangles(2, 3);
   triangles << 0, 1, 2, 2, 1, 3;
