@@ -7,8 +7,8 @@
 
 #include <benchmark/benchmark.h>
 
-#include "batten/session/document.hpp"
 #include "batten/modelling/diffusion_surface.hpp"
+#include "batten/session/document.hpp"
 
 namespace batten {
 namespace {

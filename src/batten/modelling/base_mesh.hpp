@@ -4,8 +4,8 @@
 
 #include <Eigen/Core>
 
-#include "batten/sketch/polyline_mesh.hpp"
 #include "batten/modelling/triquadrification.hpp"
+#include "batten/sketch/polyline_mesh.hpp"
 
 namespace batten {
 

@@ -7,8 +7,8 @@
 
 #include "batten/core/error.hpp"
 #include "batten/mesh/normals.hpp"
-#include "batten/operators/laplacian.hpp"
 #include "batten/modelling/curvature_flow_detail.hpp"
+#include "batten/operators/laplacian.hpp"
 
 namespace batten::detail {
 

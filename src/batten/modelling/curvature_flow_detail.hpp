@@ -3,8 +3,8 @@
 
 #include "batten/core/arrays.hpp"
 #include "batten/linalg/held_unknowns.hpp"
-#include "batten/operators/intrinsic.hpp"
 #include "batten/modelling/diffusion_surface.hpp"
+#include "batten/operators/intrinsic.hpp"
 
 // The flow of H 6.4.1 on a mesh, or on a part of one with the rest around it held. Private to the room.
 namespace batten::detail {

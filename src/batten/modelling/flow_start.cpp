@@ -10,8 +10,8 @@
 #include "batten/core/units.hpp"
 #include "batten/linalg/held_unknowns.hpp"
 #include "batten/mesh/adjacency.hpp"
-#include "batten/operators/laplacian.hpp"
 #include "batten/modelling/curvature_flow_detail.hpp"
+#include "batten/operators/laplacian.hpp"
 
 namespace batten::detail {
 

@@ -5,8 +5,8 @@
 #include "batten/core/progress.hpp"
 #include "batten/core/stage_times.hpp"
 #include "batten/mesh/triangle_mesh.hpp"
-#include "batten/network/curve_network.hpp"
 #include "batten/modelling/diffusion_surface.hpp"
+#include "batten/network/curve_network.hpp"
 #include "batten/sketch/polyline_mesh.hpp"
 #include "batten/surfacing/surface.hpp"
 

@@ -1,3 +1,5 @@
+#include "batten/network/contacts.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,7 +11,6 @@
 #include "batten/core/index.hpp"
 #include "batten/mesh/distance.hpp"
 #include "batten/mesh/triangle_mesh.hpp"
-#include "batten/network/contacts.hpp"
 
 namespace batten::detail {
 
