@@ -44,7 +44,7 @@ std::string wavy_torus(int n) {
 }
 
 Json::value_type threads_of(const std::string& options) {
-  const Run run = run_batten("info torus.obj --json " + options);
+  const test::Run run = run_batten("info torus.obj --json " + options);
   EXPECT_EQ(run.exit_code, 0) << run.err;
   return Json::parse(run.out)["options"]["threads"];
 }
@@ -65,12 +65,12 @@ TEST(Threads, AreThoseOfTheOptionElseOfTheVariableElseAll) {
 TEST(Threads, ThatAreNoneAreBadUsage) {
   write_file("torus.obj", wavy_torus(8));
   for (const char* bad : {"0", "-1", "2.5", "two", "1025", "1e9", "nan"}) {
-    const Run option = run_batten(std::string("info torus.obj --threads=") + bad);
+    const test::Run option = run_batten(std::string("info torus.obj --threads=") + bad);
     EXPECT_EQ(option.exit_code, 2) << bad;
     EXPECT_NE(option.err.find("--threads must be all or a whole number from 1 to 1024"), std::string::npos)
         << option.err;
     const Variable variable(bad);
-    const Run environment = run_batten("info torus.obj");
+    const test::Run environment = run_batten("info torus.obj");
     EXPECT_EQ(environment.exit_code, 2) << bad;
     EXPECT_NE(environment.err.find("BATTEN_THREADS must be all or a whole number from 1 to 1024"),
               std::string::npos)
@@ -88,7 +88,7 @@ TEST(Threads, DoNotChangeAByteOfWhatIsWritten) {
     std::string one;
     for (const int threads : {1, 2, 3}) {
       const std::string file = "out_" + std::to_string(threads) + ".ply";
-      const Run run = run_batten(command + " -o " + file + " --threads " + std::to_string(threads));
+      const test::Run run = run_batten(command + " -o " + file + " --threads " + std::to_string(threads));
       ASSERT_EQ(run.exit_code, 0) << command << run.err;
       const std::string bytes = read_file(file);
       EXPECT_GT(bytes.size(), 10000U);

@@ -35,8 +35,9 @@ TEST(CubicSpline, GoesThroughItsValuesWithContinuousDerivatives) {
     for (Eigen::Index i = 0; i < spline.n_pieces(); ++i) {
       EXPECT_NEAR((spline.at(i, 0) - spline.values().row(i).transpose()).norm(), 0, 1e-15);
       EXPECT_NEAR((spline.at(i, 1) - spline.values().row(i + 1).transpose()).norm(), 0, 1e-15);
-      if (i + 1 < spline.n_pieces() || periodic)
+      if (i + 1 < spline.n_pieces() || periodic) {
         EXPECT_NEAR((spline.derivative(i, 1) - spline.derivative((i + 1) % 4, 0)).norm(), 0, 1e-13);
+      }
     }
     if (!periodic) {
       EXPECT_EQ(spline.second_derivatives().row(0).norm(), 0);

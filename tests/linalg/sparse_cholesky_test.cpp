@@ -192,28 +192,30 @@ TEST(SparseCholesky, CanBeCancelledAndUsedAgain) {
     solver.factorize(A, Progress([](std::string_view, double) { return true; }));
     const Eigen::VectorXd x = Eigen::VectorXd::LinSpaced(A.rows(), -1, 1);
     EXPECT_LT((solver.solve(A * x) - x).norm(), 1e-9);
+  }
+}
 
-    // The smallest eigenvalue of the grid is 8 sin²(π/42) = 0.0447: a shift below its negative makes A
-    // indefinite.
-    TEST(SparseCholesky, TellsWhetherAMatrixIsDefiniteAndGoesOn) {
-      for (const CholeskyBackend backend : backends()) {
-        SparseCholesky solver("grid", backend);
-        EXPECT_FALSE(solver.try_factorize(grid_laplacian(20, -0.05)));
-        EXPECT_THROW(solver.solve(Eigen::MatrixXd::Ones(400, 1)), SolverFailure);
-        const SparseMatrix A = grid_laplacian(20, -0.04);
-        EXPECT_TRUE(solver.try_factorize(A));
-        const Eigen::VectorXd x = Eigen::VectorXd::LinSpaced(400, -1, 1);
-        EXPECT_LT((solver.solve(A * x) - x).norm(), 1e-10 * x.norm());
-      }
-    }
+// The smallest eigenvalue of the grid is 8 sin²(π/42) = 0.0447: a shift below its negative makes A
+// indefinite.
+TEST(SparseCholesky, TellsWhetherAMatrixIsDefiniteAndGoesOn) {
+  for (const CholeskyBackend backend : backends()) {
+    SparseCholesky solver("grid", backend);
+    EXPECT_FALSE(solver.try_factorize(grid_laplacian(20, -0.05)));
+    EXPECT_THROW(solver.solve(Eigen::MatrixXd::Ones(400, 1)), SolverFailure);
+    const SparseMatrix A = grid_laplacian(20, -0.04);
+    EXPECT_TRUE(solver.try_factorize(A));
+    const Eigen::VectorXd x = Eigen::VectorXd::LinSpaced(400, -1, 1);
+    EXPECT_LT((solver.solve(A * x) - x).norm(), 1e-10 * x.norm());
+  }
+}
 
-    TEST(SparseCholesky, AcceptsTheEmptySystem) {
-      for (const CholeskyBackend backend : backends()) {
-        SparseCholesky solver("empty", backend);
-        solver.factorize(SparseMatrix(0, 0));
-        EXPECT_EQ(solver.solve(Eigen::MatrixXd(0, 3)).cols(), 3);
-      }
-    }
+TEST(SparseCholesky, AcceptsTheEmptySystem) {
+  for (const CholeskyBackend backend : backends()) {
+    SparseCholesky solver("empty", backend);
+    solver.factorize(SparseMatrix(0, 0));
+    EXPECT_EQ(solver.solve(Eigen::MatrixXd(0, 3)).cols(), 3);
+  }
+}
 
-  }  // namespace
+}  // namespace
 }  // namespace batten

@@ -156,7 +156,7 @@ double difference(const ScanNetwork& a, const ScanNetwork& b) {
 }
 
 TEST(ReconstructionSolver, GivesWhatAFreshOneGivesAfterAThousandChanges) {
-  const Scan scan = simulate_scan(trace_shape(Shape::Torus), test::noisy_device(1)).scan;
+  const Scan scan = simulate_scan(trace_shape(AnalyticShape::Torus), test::noisy_device(1)).scan;
   ReconstructionSolver kept(scan);
   Random random(5);
   for (int i = 1; i <= 1000; ++i) {
@@ -170,7 +170,7 @@ TEST(ReconstructionSolver, GivesWhatAFreshOneGivesAfterAThousandChanges) {
 TEST(ReconstructionSolver, FollowsASliderCloselyWithFewSteps) {
   // Newton's steps square the error: a slider that multiplies μ by 1.25 at a time is followed within 0.1 % of
   // the size, a third of what the network is wrong by.
-  const Scan scan = simulate_scan(trace_shape(Shape::Dish), test::noisy_device(1)).scan;
+  const Scan scan = simulate_scan(trace_shape(AnalyticShape::Dish), test::noisy_device(1)).scan;
   ReconstructionSolver kept(scan);
   ScanOptions options;
   options.weights = WeightChoice::Given;

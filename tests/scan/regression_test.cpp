@@ -122,12 +122,12 @@ TEST(Regression, RobustLossIgnoresADisturbedPiece) {
 TEST(Regression, TakesAtMostFifteenStepsWithTheWeightsOfTheThesis) {
   // Newton's method; Gauss–Newton with re-weighting took up to 360. The weights are S 3.7.2's and their
   // pairs.
-  for (int shape = 0; shape < static_cast<int>(shape_names().size()); ++shape) {
+  for (const AnalyticShape shape : choice_values<AnalyticShape>()) {
     for (const int seed : {1, 2, 3}) {
-      const Scan scan = simulate_scan(trace_shape(static_cast<Shape>(shape)), test::noisy_device(seed)).scan;
+      const Scan scan = simulate_scan(trace_shape(shape), test::noisy_device(seed)).scan;
       std::vector<std::string> warnings;
       PrefilterOptions prefilter;
-      prefilter.step = 0.016 * trace_shape(static_cast<Shape>(shape)).diameter;
+      prefilter.step = 0.016 * trace_shape(shape).diameter;
       FrameRegression regression(resample(scan, clean_readings(scan, {}, warnings), prefilter));
       for (const double lambda : {1.0, 100.0})
         for (const double mu : {1.0, 100.0})
@@ -140,7 +140,7 @@ TEST(Regression, TakesAtMostFifteenStepsWithTheWeightsOfTheThesis) {
             RegressionReport report;
             regression.solve(weights, &report);
             EXPECT_TRUE(report.converged);
-            EXPECT_LE(report.iterations, 15) << shape_names()[shape] << " seed " << seed << " lambda "
+            EXPECT_LE(report.iterations, 15) << word_of(shape) << " seed " << seed << " lambda "
                                              << lambda << " mu " << mu << " robust " << robust;
           }
     }
