@@ -68,7 +68,7 @@ FairingRun Fairer::run(const Points& noisy, double deviation, bool refine, const
   result.positions = noisy;
   result.moves = VectorXd::Zero(n_);
   VectorXd fidelity = VectorXd::Constant(n_, strategy.fidelity);
-  const IndexLists& balls = balls_[&strategy == &kSharp ? 0 : 1];
+  const IndexLists& balls = balls_[strategy.spatial == kSharp.spatial ? 0 : 1];  // what they depend on
   const int rounds = iterations + strategy.free_iterations;
   for (int round = 0; round < rounds; ++round) {
     const Progress part =

@@ -31,8 +31,8 @@ struct Strategy {
 
 // Found on fandisk, cubehole, rocker arm and bunny with noise of 0.1, 0.2 and 0.3 mean edge lengths, the
 // sharp one checked on mechpart, wingnut and casting; see docs/fair.md for the figures.
-constexpr Strategy kSharp{"sharp", 2.0, 0.35, 0.5, 0.05, 0.02, 1.2, 0.3, 1.5, 12, 2};
-constexpr Strategy kOrganic{"organic", 1.2, 0.45, 1.0, 0.15, 0.05, 1.0, 0.1, 3.0, 10, 0};
+inline constexpr Strategy kSharp{"sharp", 2.0, 0.35, 0.5, 0.05, 0.02, 1.2, 0.3, 1.5, 12, 2};
+inline constexpr Strategy kOrganic{"organic", 1.2, 0.45, 1.0, 0.15, 0.05, 1.0, 0.1, 3.0, 10, 0};
 
 /// The worst of several iterative solves.
 struct SolveQuality {
