@@ -26,8 +26,9 @@ TEST(ModelSurface, EveryMethodMakesASoundSphereOfThreeGreatCircles) {
     const MeshTopology topology = mesh_topology(surface.mesh.triangles, surface.mesh.n_vertices());
     EXPECT_TRUE(topology.is_watertight());
     EXPECT_EQ(topology.euler_characteristic, 2);
-    // Docs: 0.47 % at worst for v1, far less for the others.
-    EXPECT_LT((surface.mesh.positions.rowwise().norm().array() - 1).abs().maxCoeff(), 0.02)
+    // Coons patches bulge between their curves (docs/sketch.md); the others are held by mean curvature.
+    EXPECT_LT((surface.mesh.positions.rowwise().norm().array() - 1).abs().maxCoeff(),
+              method == ModelSurfaceMethod::Coons ? 0.07 : 0.02)
         << word_of(method);
     EXPECT_EQ(surface.division.has_value(), method == ModelSurfaceMethod::Coons);
   }

@@ -67,6 +67,8 @@ IterativeReport fit_limit(ControlCage& cage, const Points& target, const std::ve
   const HeldUnknowns unknowns = HeldUnknowns::all_but(free);
   IterativeReport report{.iterations = 0, .residual = 0, .converged = true};
   if (unknowns.n_free() == 0) return report;
+  // BiCGSTAB takes a right-hand side that is no number for solved, and maxima pass it over.
+  if (!wanted.allFinite()) throw SolverFailure("cage of the limit surface", unknowns.n_free());
   const Eigen::SparseMatrix<double, Eigen::RowMajor> A = unknowns.free_block(rows);
   Eigen::BiCGSTAB<Eigen::SparseMatrix<double, Eigen::RowMajor>> inverse(A);
   inverse.setTolerance(1e-8);  // of what is still lacking, which falls with every turn
