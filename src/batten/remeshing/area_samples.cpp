@@ -81,12 +81,14 @@ ReferenceSamples sample_reference(const Points& positions, const Triangles& tria
   constexpr std::size_t kPiece = 1 << 18;
   Points points;
   for (std::size_t begin = 0; begin < count; begin += kPiece) {
-    progress.report("samples", 0.3 + 0.7 * static_cast<double>(begin) / static_cast<double>(count));
     const std::size_t end = std::min(count, begin + kPiece);
+    const double all = static_cast<double>(count);
     points.resize(static_cast<Eigen::Index>(end - begin), 3);
     for (std::size_t s = begin; s < end; ++s)
       points.row(static_cast<Eigen::Index>(s - begin)) = result.points[s].point;
-    const std::vector<ClosestPoint> nearest = tree.closest(points);
+    const std::vector<ClosestPoint> nearest =
+        tree.closest(points, progress.part("samples", 0.3 + 0.7 * static_cast<double>(begin) / all,
+                                           0.3 + 0.7 * static_cast<double>(end) / all));
     for (std::size_t s = begin; s < end; ++s)
       result.nearest[s] = static_cast<int>(nearest[s - begin].element);
   }

@@ -36,6 +36,7 @@ constexpr double kCreaseAngle = radians(4.0);
 /// Vertices of one block: blocks are worked on in parallel, and what lies between them afterwards, by one
 /// thread. Some 7 % of the vertices of a block have neighbours in another.
 constexpr Eigen::Index kBlock = 4096;
+constexpr std::size_t kSamplesPerReport = 1 << 17;  ///< some 20 ms
 /// Around a vertex with a smaller mean error of the normals (and distances), radians, there is nothing to
 /// fit.
 constexpr double kExact = 1e-3;
@@ -96,7 +97,7 @@ class NormalFit {
     const HalfedgeMesh::Compact compact = mesh_.compacted();
     order_elements(compact);
     progress.report("samples", 0.6);
-    sort_samples(reference, compact);
+    sort_samples(reference, compact, progress.part("samples", 0.6, 0.9));
     valence_.assign(mesh_.vertex_capacity(), 0);
     for (int v = 0; v < mesh_.vertex_capacity(); ++v)
       if (mesh_.has_vertex(v)) valence_[v] = mesh_.valence(v);
@@ -213,7 +214,8 @@ class NormalFit {
   }
 
   /// Samples in the order of their faces: what is used together lies together.
-  void sort_samples(ReferenceSamples& reference, const HalfedgeMesh::Compact& compact) {
+  void sort_samples(ReferenceSamples& reference, const HalfedgeMesh::Compact& compact,
+                    const Progress& progress) {
     std::vector<int> first(mesh_.face_capacity() + 1, 0);
     for (const int nearest : reference.nearest) ++first[compact.faces[nearest]];
     int total = 0;
@@ -221,6 +223,8 @@ class NormalFit {
     samples_.resize(reference.points.size());
     of_face_.resize(mesh_.face_capacity());
     for (std::size_t s = 0; s < samples_.size(); ++s) {
+      if (s % kSamplesPerReport == 0)
+        progress.report("samples", static_cast<double>(s) / static_cast<double>(samples_.size()));
       const int f = compact.faces[reference.nearest[s]];
       samples_[first[f]] = reference.points[s];
       const Vector3d n = mesh_.area_normal(f);

@@ -137,12 +137,15 @@ class Remesher {
     // Creases that end freely within a few edges are the roughness of a scan, not a design.
     feature_options.least_length = 4 * length;
     feature_options.fade = 0.5;
+    progress_.report("remeshing", 0);
     features_ = mark_features(mesh, feature_options);
+    progress_.report("remeshing", 0);
 
     Eigen::VectorXd sizes;
     if (options.sizes.size() == 0) {
-      sizes =
-          adaptive_sizes(mesh, curvature_magnitude(mesh, features_), length, options.adaptivity, kGradation);
+      const Eigen::VectorXd curvature = curvature_magnitude(mesh, features_);
+      progress_.report("remeshing", 0);
+      sizes = adaptive_sizes(mesh, curvature, length, options.adaptivity, kGradation);
     } else {
       sizes.resize(mesh.vertex_capacity());
       for (int v = 0; v < mesh.vertex_capacity(); ++v) sizes[v] = options.sizes[mesh.source_vertex(v)];
@@ -152,7 +155,9 @@ class Remesher {
     if (target_vertices_ > 1e8)
       throw InvalidInput(concat("an edge length of ", length, " would take ", target_vertices_,
                                 " vertices; ask for a longer one"));
+    progress_.report("remeshing", 0);
     reference_.emplace(mesh.compacted(), sizes);
+    progress_.report("remeshing", 0);
     state_.emplace(std::move(mesh), features_, sizes);
   }
 

@@ -20,6 +20,7 @@ using Eigen::Vector3d;
 /// Points on the reference whose normals differ from the nearest triangle's by more than 60° belong to the
 /// other side of an edge: they say nothing of this triangle.
 constexpr double kSameSide = 0.5;
+constexpr std::size_t kSamplesPerReport = 1 << 16;  ///< some 20 ms
 
 struct Corners {
   Vector3d a, b, c;
@@ -42,6 +43,8 @@ SurfaceFitResult fitted_to_surface(const Points& positions, const Triangles& tri
   Eigen::VectorXd right = Eigen::VectorXd::Zero(n);
   std::vector<Matrix3d> block(m, Matrix3d::Zero());
   for (std::size_t s = 0; s < reference.points.size(); ++s) {
+    if (s % kSamplesPerReport == 0)
+      progress.report("fit", 0.5 * static_cast<double>(s) / static_cast<double>(reference.points.size()));
     const SamplePoint& point = reference.points[s];
     const SampledTriangle& sample = reference.pieces[point.triangle];
     const Eigen::Index f = reference.nearest[s];
@@ -70,9 +73,11 @@ SurfaceFitResult fitted_to_surface(const Points& positions, const Triangles& tri
         block[f](k, l) += sample.area * slope_weight * gradients[k].dot(gradients[l]);
     }
   }
+  progress.report("fit", 0.5);
   for (Eigen::Index f = 0; f < m; ++f)
     for (int k = 0; k < 3; ++k)
       for (int l = 0; l < 3; ++l) A.coeffRef(triangles(f, k), triangles(f, l)) += block[f](k, l);
+  progress.report("fit", 0.6);
   // Fixed vertices, and a little weight on staying where no sample fell.
   const double small = 1e-6 * A.diagonal().mean();
   for (Eigen::Index v = 0; v < n; ++v) {
@@ -92,7 +97,8 @@ SurfaceFitResult fitted_to_surface(const Points& positions, const Triangles& tri
   SurfaceFitResult result{positions, {}};
   Eigen::MatrixXd solution;
   try {
-    result.solve = solve_conjugate_gradients(A, right, solution, "fit to the surface", solver, progress);
+    result.solve = solve_conjugate_gradients(A, right, solution, "fit to the surface", solver,
+                                             progress.part("fit", 0.7, 1));
   } catch (const SolverFailure&) {
     result.solve.residual = 1;  // nothing of the right-hand side was met
     return result;

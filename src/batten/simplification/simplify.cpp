@@ -80,7 +80,7 @@ class Simplification {
         options_(options),
         progress_(progress),
         mesh_(input.positions, input.triangles, NonManifoldVertices::Split),
-        tree_(mesh_),
+        tree_(after_report(mesh_)),
         representative_(mesh_.vertex_capacity()) {
     progress.report("collapse", 0);
     if (mesh_.vertex_capacity() > input.n_vertices())
@@ -122,6 +122,12 @@ class Simplification {
   }
 
  private:
+  /// The mesh, with a report before what is to be made of it: both take long.
+  const HalfedgeMesh& after_report(const HalfedgeMesh& mesh) const {
+    progress_.report("collapse", 0);
+    return mesh;
+  }
+
   void collapse_to(Eigen::Index target) {
     DecimatorOptions options;
     options.keep_marked = options_.keep_edges > 0;
