@@ -1,28 +1,18 @@
 #include "batten/linalg/iterative.hpp"
 
+#include "linalg/systems.hpp"
+
 #include <Eigen/QR>
 #include <gtest/gtest.h>
 
 #include "batten/core/error.hpp"
 #include "batten/core/parallel.hpp"
-#include "batten/core/random.hpp"
 
 namespace batten {
 namespace {
 
-SparseMatrix random_sparse(int rows, int columns, std::uint64_t seed) {
-  Random random(seed);
-  std::vector<Eigen::Triplet<double>> entries;
-  for (int i = 0; i < rows; ++i) {
-    entries.emplace_back(i, i % columns, 4.0);
-    for (int k = 0; k < 3; ++k) entries.emplace_back(i, random.below(columns), random.normal());
-  }
-  SparseMatrix A(rows, columns);
-  A.setFromTriplets(entries.begin(), entries.end());
-  return A;
-}
-
-const IterativeOptions kTight{.tolerance = 1e-11, .max_iterations = 2000};
+using fixtures::kTight;
+using fixtures::random_sparse;
 
 TEST(Iterative, ConjugateGradientsSolvesNormalEquations) {
   const SparseMatrix R = random_sparse(80, 60, 1);

@@ -1,6 +1,7 @@
 // What a factor refuses, which backend it takes, and how matrices may be stored.
+#include "linalg/systems.hpp"
+
 #include <cmath>
-#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -10,32 +11,13 @@
 namespace batten {
 namespace {
 
-/// The five-point Laplacian of an n × n grid with fixed borders: positive definite.
-SparseMatrix grid_laplacian(int n) {
-  std::vector<Eigen::Triplet<double>> entries;
-  for (int i = 0; i < n; ++i) {
-    for (int j = 0; j < n; ++j) {
-      const int k = i * n + j;
-      entries.emplace_back(k, k, 4);
-      if (i + 1 < n) entries.emplace_back(k, k + n, -1), entries.emplace_back(k + n, k, -1);
-      if (j + 1 < n) entries.emplace_back(k, k + 1, -1), entries.emplace_back(k + 1, k, -1);
-    }
-  }
-  SparseMatrix A(n * n, n * n);
-  A.setFromTriplets(entries.begin(), entries.end());
-  return A;
-}
-
-std::vector<CholeskyBackend> backends() {
-  std::vector<CholeskyBackend> list{CholeskyBackend::Auto, CholeskyBackend::Eigen};
-  if (SparseCholesky::has_cholmod()) list.push_back(CholeskyBackend::Cholmod);
-  return list;
-}
+using fixtures::backends;
+using fixtures::grid_laplacian;
 
 TEST(SparseCholesky, RefusesRightSidesOfAnotherSizeOrNotFinite) {
   for (const CholeskyBackend backend : backends()) {
     SparseCholesky solver("grid", backend);
-    solver.factorize(grid_laplacian(4));
+    solver.factorize(grid_laplacian(4, 0));
     EXPECT_EQ(solver.unknowns(), 16);
     EXPECT_THROW(solver.solve(Eigen::VectorXd::Ones(15)), SolverFailure);
     EXPECT_THROW(solver.solve(Eigen::VectorXd::Ones(17)), SolverFailure);

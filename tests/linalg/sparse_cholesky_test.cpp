@@ -1,5 +1,7 @@
 #include "batten/linalg/sparse_cholesky.hpp"
 
+#include "linalg/systems.hpp"
+
 #include <thread>
 
 #include <dlfcn.h>
@@ -11,27 +13,8 @@
 namespace batten {
 namespace {
 
-/// The five-point Laplacian of an n × n grid plus `shift` on the diagonal: positive definite for shift ≥ 0.
-SparseMatrix grid_laplacian(int n, double shift) {
-  std::vector<Eigen::Triplet<double>> entries;
-  for (int i = 0; i < n; ++i) {
-    for (int j = 0; j < n; ++j) {
-      const int k = i * n + j;
-      entries.emplace_back(k, k, 4 + shift);
-      if (i + 1 < n) entries.emplace_back(k, k + n, -1), entries.emplace_back(k + n, k, -1);
-      if (j + 1 < n) entries.emplace_back(k, k + 1, -1), entries.emplace_back(k + 1, k, -1);
-    }
-  }
-  SparseMatrix A(n * n, n * n);
-  A.setFromTriplets(entries.begin(), entries.end());
-  return A;
-}
-
-std::vector<CholeskyBackend> backends() {
-  std::vector<CholeskyBackend> list{CholeskyBackend::Auto, CholeskyBackend::Eigen};
-  if (SparseCholesky::has_cholmod()) list.push_back(CholeskyBackend::Cholmod);
-  return list;
-}
+using fixtures::backends;
+using fixtures::grid_laplacian;
 
 TEST(SparseCholesky, SolvesForSeveralRightHandSides) {
   for (const CholeskyBackend backend : backends()) {

@@ -106,4 +106,10 @@ inline void add_circle(NetworkBuilder& builder, int n, double radius, double z, 
       });
 }
 
+/// Its curves alone, as somebody draws them.
+inline CurveNetwork without_normals(CurveNetwork network) {
+  network.normals.resize(0, 3);
+  return network;
+}
+
 }  // namespace batten::samples

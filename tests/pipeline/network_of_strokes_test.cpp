@@ -11,9 +11,7 @@ namespace batten {
 namespace {
 
 CurveNetwork torus_strokes() {
-  CurveNetwork strokes = fixtures::unwelded(fixtures::torus_grid(4, 6, 10, 0.1));
-  strokes.normals.resize(0, 3);
-  return strokes;
+  return fixtures::unwelded(fixtures::torus_grid(4, 6, 10, 0.1));
 }
 
 TEST(NetworkOfStrokes, CountsWhatTheStrokesAmountTo) {

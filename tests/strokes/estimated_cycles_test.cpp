@@ -24,11 +24,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-CurveNetwork without_normals(CurveNetwork network) {
-  network.normals.resize(0, 3);
-  return network;
-}
-
 using Patches = std::multiset<std::multiset<std::set<int>>>;
 
 /// Cycles as sets of the vertices of their loops: the same for a surface seen from inside, and `number` may
@@ -58,7 +53,7 @@ CurveNetwork wireframe(const std::vector<Eigen::RowVector3d>& corners,
           return Vector3d((1 - t) * corners[static_cast<size_t>(a)] + t * corners[static_cast<size_t>(b)]);
         },
         [](const Vector3d&) { return Vector3d(0, 0, 1); });
-  return without_normals(builder.build());
+  return samples::without_normals(builder.build());
 }
 
 CurveNetwork cube() {
@@ -80,7 +75,7 @@ CurveNetwork drum() {
     builder.curve(
         8, false, [&](double t) { return Vector3d(std::cos(kPi * i / 2), std::sin(kPi * i / 2), 2 * t - 1); },
         any);
-  return without_normals(builder.build());
+  return samples::without_normals(builder.build());
 }
 
 class SharedNetworks : public testing::TestWithParam<const char*> {};
@@ -92,7 +87,7 @@ TEST_P(SharedNetworks, HaveTheSameCyclesAndSimilarNormalsWithoutTheirNormals) {
   const std::string path = std::string(BATTEN_SHARED_DATA) + "/networks/" + GetParam() + ".net";
   if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is missing";
   const CurveNetwork network = read_network(path);
-  const EstimatedCycles estimate = estimate_cycles(without_normals(network));
+  const EstimatedCycles estimate = estimate_cycles(samples::without_normals(network));
   EXPECT_EQ(patches(estimate.cycles), patches(find_cycles(network).cycles));
   EXPECT_TRUE(estimate.warnings.empty());
   double agreement = 0;
@@ -189,7 +184,7 @@ TEST(EstimatedCycles, OfADrumAreItsWallAndItsEnds) {
 TEST(EstimatedCycles, OfAnOpenSheetLeaveItsBackOut) {
   const auto wave = [](double x, double y) { return 0.2 * std::sin(2 * x) * y; };
   for (const bool tagged : {false, true}) {
-    const CurveNetwork network = without_normals(samples::square_graph(8, tagged, wave));
+    const CurveNetwork network = samples::without_normals(samples::square_graph(8, tagged, wave));
     const EstimatedCycles estimate = estimate_cycles(network);
     EXPECT_EQ(estimate.cycles.size(), 4u);
     // The four curves of the border come first.
@@ -212,8 +207,8 @@ CurveNetwork both(const CurveNetwork& one, const CurveNetwork& other) {
 
 // A cube above a sheet: the outside of the sheet bounds no patch, nor does it take one from the cube.
 TEST(EstimatedCycles, OfASheetLeaveAClosedPartAlone) {
-  const CurveNetwork sheet =
-      without_normals(samples::square_graph(8, false, [](double x, double y) { return 0.1 * x * y; }));
+  const CurveNetwork sheet = samples::without_normals(
+      samples::square_graph(8, false, [](double x, double y) { return 0.1 * x * y; }));
   for (const double height : {1.0, 2.0, 4.0}) {
     CurveNetwork box = cube();
     box.positions = (0.3 * box.positions).rowwise() + Eigen::RowVector3d(0.6 * height, 0, height);
@@ -231,7 +226,7 @@ TEST(EstimatedCycles, OfALoopOnAFaceAreBothOfItsSides) {
       24, false,
       [](double t) { return Vector3d(0.4 * std::cos(2 * kPi * t), 0.4 * std::sin(2 * kPi * t), 1); },
       [](const Vector3d&) { return Vector3d(0, 0, 1); });
-  const EstimatedCycles estimate = estimate_cycles(both(cube(), without_normals(builder.build())));
+  const EstimatedCycles estimate = estimate_cycles(both(cube(), samples::without_normals(builder.build())));
   EXPECT_EQ(estimate.cycles.size(), 7u);
   EXPECT_EQ(std::count_if(estimate.cycles.begin(), estimate.cycles.end(),
                           [](const NetworkCycle& cycle) { return cycle.loops.size() == 2; }),
@@ -244,7 +239,7 @@ TEST(EstimatedCycles, OfALoopOnAFaceAreBothOfItsSides) {
 TEST(EstimatedCycles, DoNotDependOnPlaceScaleOrOrder) {
   Random random(3);
   const std::vector<CurveNetwork> networks{cube(), drum(), fixtures::torus_grid(4, 6, 8, 0.15),
-                                           without_normals(samples::octahedral_sphere(8))};
+                                           samples::without_normals(samples::octahedral_sphere(8))};
   for (const CurveNetwork& network : networks) {
     const EstimatedCycles expected = estimate_cycles(network);
     for (const double scale : {1e-3, 1.0, 1e3}) {

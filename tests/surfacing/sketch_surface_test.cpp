@@ -18,11 +18,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-CurveNetwork without_normals(CurveNetwork network) {
-  network.normals.resize(0, 3);
-  return network;
-}
-
 // The same patches, found or given, give the same mesh.
 TEST(SurfaceOfGivenCycles, IsThatOfTheCyclesFound) {
   const CurveNetwork network = samples::octahedral_sphere(8);
@@ -43,7 +38,7 @@ TEST(SurfaceOfGivenCycles, RefusesCyclesOfAnotherNetwork) {
 // Three great circles without normals: by symmetry the estimate is exact, so the sphere comes out as with
 // normals, 0.01 % being a tenth of the distance between a chord of 4 % and its arc.
 TEST(SurfaceOfASketch, IsASphereOverItsCircles) {
-  CurveNetwork network = without_normals(samples::octahedral_sphere(16));
+  CurveNetwork network = samples::without_normals(samples::octahedral_sphere(16));
   const EstimatedCycles estimate = estimate_cycles(network);
   network.normals = estimate.normals;
   const SurfaceResult surface = surface_network(network, estimate.cycles);
@@ -83,7 +78,7 @@ TEST(SurfaceOfASketch, HasNoEdgeOfThreeTriangles) {
             return Vector3d(r * std::cos(angle), r * std::sin(angle), flat * (2 * t - 1));
           },
           [](const Vector3d&) { return Vector3d(0, 0, 1); });
-    CurveNetwork network = without_normals(builder.build());
+    CurveNetwork network = samples::without_normals(builder.build());
     const EstimatedCycles estimate = estimate_cycles(network);
     ASSERT_EQ(estimate.cycles.size(), 3u);
     network.normals = estimate.normals;
