@@ -28,14 +28,24 @@ double mean_step(const SampledScan& scan) {
   return scan.length() / static_cast<double>(std::max(n, 1L));
 }
 
-void note_regression(const SampledScan& data, const RegressionReport& regression, ScanReport& report) {
-  report.regression = regression;
-  report.iterations = regression.iterations;
-  for (size_t c = 0; c < data.curves.size(); ++c) {
-    const Eigen::VectorXd& trust = regression.trust[c];
-    report.distrusted.push_back(static_cast<double>((trust.array() < 0.25).count()) /
-                                static_cast<double>(trust.size()));
-  }
+/// The share of the samples of each curve that the robust loss holds for wrong. @param trust per curve.
+std::vector<double> distrusted_shares(const std::vector<Eigen::VectorXd>& trust) {
+  std::vector<double> shares;
+  for (const Eigen::VectorXd& of_curve : trust)
+    shares.push_back(static_cast<double>((of_curve.array() < 0.25).count()) /
+                     static_cast<double>(of_curve.size()));
+  return shares;
+}
+
+/// How positions are integrated, as integrate_steps() wants it.
+struct Integration {
+  StepRule rule;
+  ClosureForm form;
+};
+Integration integration_of(IntegrationScheme scheme) {
+  return scheme == IntegrationScheme::Thesis
+             ? Integration{StepRule::Tangent, ClosureForm::SecondDifference}
+             : Integration{StepRule::ConstantRate, ClosureForm::FirstDifference};
 }
 
 SampledScan jointly(const Scan& scan, const std::vector<CleanCurve>& clean, const PrefilterOptions& prefilter,
@@ -70,16 +80,15 @@ SampledScan jointly(const Scan& scan, const std::vector<CleanCurve>& clean, cons
   for (size_t c = 0; c < samples.curves.size(); ++c) {
     report.factors.push_back(std::exp(estimate.log_factors[static_cast<Eigen::Index>(c)]));
     report.factor_deviations.push_back(estimate.factor_deviation[static_cast<Eigen::Index>(c)]);
-    const Eigen::VectorXd& trust = estimate.trust[c];
-    report.distrusted.push_back(static_cast<double>((trust.array() < 0.25).count()) /
-                                static_cast<double>(trust.size()));
   }
+  report.distrusted = distrusted_shares(estimate.trust);
   return estimate.scan;
 }
 
 /// Options of the plain regression of samples, with weights as the options say.
-RegressionOptions regression_options(const SampledScan& samples, const ScanOptions& options, StepRule rule,
-                                     ClosureForm form, ScanReport& report, const Progress& progress) {
+RegressionOptions regression_options(const SampledScan& samples, const ScanOptions& options,
+                                     ScanReport& report, const Progress& progress) {
+  const auto [rule, form] = integration_of(options.scheme);
   const double step = mean_step(samples) / report.size;
   RegressionOptions regression;
   regression.energy = options.energy;
@@ -315,7 +324,6 @@ void ReconstructionSolver::regress(const Readings& readings, const PrefilterOpti
                                    const ScanOptions& options, bool exact_chords, bool moving,
                                    ScanNetwork& result, const Progress& progress) {
   ScanReport& report = result.report;
-  const bool thesis = options.scheme == IntegrationScheme::Thesis;
   Sampling& kept = sampling(readings, prefilter);
   RegressionOptions regression;
   regression.unit = report.size;
@@ -325,16 +333,16 @@ void ReconstructionSolver::regress(const Readings& readings, const PrefilterOpti
         concat("the tangents lead round the loops to within ", report.convention.forward_misfit,
                " of a curve's length: taken as exact, nothing to smooth");
   else
-    regression = regression_options(
-        kept.samples, options, thesis ? StepRule::Tangent : StepRule::ConstantRate,
-        thesis ? ClosureForm::SecondDifference : ClosureForm::FirstDifference, report, progress);
+    regression = regression_options(kept.samples, options, report, progress);
   RegressionReport done;
   result.samples = moving ? kept.regression.follow(regression, &done, progress)
                           : kept.regression.solve(regression, &done, progress);
   if (!moving && !done.converged)
     report.warnings.push_back(
         concat("the regression of the frames had not converged after ", done.iterations, " steps"));
-  note_regression(kept.samples, done, report);
+  report.regression = done;
+  report.iterations = done.iterations;
+  report.distrusted = distrusted_shares(done.trust);
   report.factors.assign(kept.samples.curves.size(), 1.0);
   last_ = Last{result.samples, done.robust_scale};
 }
@@ -360,8 +368,7 @@ ScanNetwork ReconstructionSolver::reconstruct(const ScanOptions& options, bool m
   if (options.step && prefilter.step > 0.5 * report.size)
     throw InvalidInput(concat("the step ", prefilter.step, " is more than half the size of the scan, ",
                               report.size, "; take a smaller one"));
-  const bool thesis = options.scheme == IntegrationScheme::Thesis;
-  const StepRule rule = thesis ? StepRule::Tangent : StepRule::ConstantRate;
+  const auto [rule, form] = integration_of(options.scheme);
   // Drawn curves at their own samples: the chords close exactly, so there is no noise to take off them; only
   // the normals at nodes are made to agree.
   const bool exact_chords =
@@ -378,9 +385,8 @@ ScanNetwork ReconstructionSolver::reconstruct(const ScanOptions& options, bool m
   {
     const ScopedStage stage(report.times, "integration");
     progress.report("integration", 0);
-    const IntegrationResult placed =
-        integrate_steps(result.samples, exact_chords ? chord_steps(scan_) : frame_steps(result.samples, rule),
-                        thesis ? ClosureForm::SecondDifference : ClosureForm::FirstDifference);
+    const IntegrationResult placed = integrate_steps(
+        result.samples, exact_chords ? chord_steps(scan_) : frame_steps(result.samples, rule), form);
     report.closure_misfit = placed.closure_misfit;
     result.network = assemble(scan, result.samples, placed.positions);
   }
