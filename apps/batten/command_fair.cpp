@@ -74,10 +74,10 @@ Outcome run_fair(const FairArguments& arguments, Context& context) {
   if (result.strategy == "none")
     outcome.warnings.push_back(concat("the mesh looks clean (noise ", result.noise,
                                       " of a mean edge) and was left as it is; --noise K overrules that"));
-  if (result.unconverged_solves > 0)
+  if (result.solves.unconverged > 0)
     outcome.warnings.push_back(concat(
-        result.unconverged_solves, result.unconverged_solves == 1 ? " refit" : " refits",
-        " of the surface stopped before coming to rest (relative residual ", result.largest_residual,
+        result.solves.unconverged, result.solves.unconverged == 1 ? " refit" : " refits",
+        " of the surface stopped before coming to rest (relative residual ", result.solves.residual,
         "): the result may be rougher than it could be; --noise with a smaller number makes them easier"));
 
   mesh.positions = result.positions;

@@ -52,10 +52,10 @@ Outcome run_remesh(const RemeshArguments& arguments, Context& context) {
     outcome.warnings.push_back(
         concat("parts of the surface that only touch in a vertex were taken apart; vertices added: ",
                result.report.split_vertices));
-  if (result.report.unconverged_solves > 0)
+  if (result.report.solves.unconverged > 0)
     outcome.warnings.push_back(
-        concat("solves that stopped before they converged: ", result.report.unconverged_solves,
-               " (relative residual ", result.report.largest_residual,
+        concat("solves that stopped before they converged: ", result.report.solves.unconverged,
+               " (relative residual ", result.report.solves.residual,
                "); areas or distances may be less even than they could be, which another number of "
                "--iterations may mend"));
   if (!mesh.vertex_values.empty() && arguments.sizes.empty())

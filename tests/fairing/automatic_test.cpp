@@ -273,9 +273,9 @@ TEST(FairAutomatically, SaysHowFarItsSolvesCame) {
   const Points noisy = add_gaussian_noise(mesh.positions, mesh.triangles, 0.2, 1);
   AutomaticFairingReport report;
   fair_automatically(noisy, mesh.triangles, {}, &report);
-  EXPECT_EQ(report.unconverged_solves, 0);
-  EXPECT_GT(report.largest_residual, 0);
-  EXPECT_LE(report.largest_residual, 1e-3);  // the looser of the two tolerances
+  EXPECT_EQ(report.solves.unconverged, 0);
+  EXPECT_GT(report.solves.residual, 0);
+  EXPECT_LE(report.solves.residual, 1e-3);  // the looser of the two tolerances
 }
 
 }  // namespace

@@ -362,9 +362,9 @@ TEST(Remesh, GivesTheSameBitsOnAnyNumberOfThreads) {
   options.max_iterations = 2;
   set_thread_count(1);
   const RemeshResult one = remesh(input, options);
-  EXPECT_EQ(one.report.unconverged_solves, 0);
-  EXPECT_GT(one.report.largest_residual, 0);
-  EXPECT_LE(one.report.largest_residual, 1e-4);  // the tolerance of its solves
+  EXPECT_EQ(one.report.solves.unconverged, 0);
+  EXPECT_GT(one.report.solves.residual, 0);
+  EXPECT_LE(one.report.solves.residual, 1e-4);  // the tolerance of its solves
   for (const int threads : {2, 3}) {
     set_thread_count(threads);
     const RemeshResult other = remesh(input, options);

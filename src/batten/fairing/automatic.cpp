@@ -8,6 +8,7 @@
 
 #include "batten/core/error.hpp"
 #include "batten/core/random.hpp"
+#include "batten/core/statistics.hpp"
 #include "batten/core/text.hpp"
 #include "batten/fairing/fairer_detail.hpp"
 #include "batten/fairing/implicit_detail.hpp"
@@ -39,10 +40,9 @@ double agreement_of(double estimated, double removed) {
   return std::clamp((removed / estimated - 0.5) / 0.1, 0.0, 1.0);
 }
 
-double median(VectorXd values) {
-  double* const middle = values.data() + values.size() / 2;
-  std::nth_element(values.data(), middle, values.data() + values.size());
-  return *middle;
+/// The values keep their places, which upper_median() would change.
+double median_of(VectorXd values) {
+  return upper_median({values.data(), static_cast<std::size_t>(values.size())});
 }
 
 /// Shifts all vertices alike along `directions` until the enclosed volume is that of `positions`.
@@ -131,10 +131,8 @@ Trials try_strategies(Fairer& fairer, const Points& positions, const Triangles& 
         removed.cwiseProduct(fairer.tilt(removed)) + 2 * fairer.tilt(probe).cwiseProduct(response);
     told.strategies.emplace_back(strategy.name);
     told.risks.push_back(trials.risk[k].sum() / fairer.tilt_diagonal().sum() - 1);
-    for (const FairingRun* finished : {static_cast<const FairingRun*>(&run), &again}) {
-      told.unconverged_solves += finished->solves.unconverged;
-      told.largest_residual = std::max(told.largest_residual, finished->solves.residual);
-    }
+    told.solves.add(run.solves);
+    told.solves.add(again.solves);
   }
   return trials;
 }
@@ -154,9 +152,9 @@ Choice choose(const Fairer& fairer, const VectorXd (&risk)[2]) {
     if (pass == 11) regional = advantage;
   }
   Choice choice;
-  choice.winner = median(advantage) > 0 ? 1 : 0;
-  const double typical = median(regional);
-  const double doubt = kDoubt * 1.4826 * median((regional.array() - typical).abs().matrix());
+  choice.winner = median_of(advantage) > 0 ? 1 : 0;
+  const double typical = median_of(regional);
+  const double doubt = kDoubt * kMadToDeviation * median_of((regional.array() - typical).abs().matrix());
   choice.other.resize(regional.size());
   for (Eigen::Index v = 0; v < regional.size(); ++v) {
     const double lead = choice.winner == 0 ? regional[v] : -regional[v];

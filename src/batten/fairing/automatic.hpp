@@ -6,6 +6,7 @@
 
 #include "batten/core/arrays.hpp"
 #include "batten/core/progress.hpp"
+#include "batten/linalg/iterative.hpp"
 
 namespace batten {
 
@@ -35,9 +36,7 @@ struct AutomaticFairingReport {
   double exceptions = 0;    ///< share of the vertices in regions that took the other
   int iterations = 0;       ///< its rounds
   double largest_move = 0;  ///< in the unit of the mesh
-  /// Refits of all runs that stopped at their limit of iterations, and the largest relative residual of any.
-  int unconverged_solves = 0;
-  double largest_residual = 0;
+  SolveQuality solves;      ///< the refits of all runs
 };
 
 /// Removes noise from a mesh, keeping sharp edges sharp and organic shapes organic, without parameters.

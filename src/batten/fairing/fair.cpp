@@ -77,8 +77,7 @@ FairingResult fair(const Points& positions, const Triangles& triangles, const Fa
     result.strategy = report.strategy.empty() ? "none" : report.strategy;
     result.iterations = report.iterations;
     result.largest_move = report.largest_move;
-    result.unconverged_solves = report.unconverged_solves;
-    result.largest_residual = report.largest_residual;
+    result.solves = report.solves;
     return result;
   }
   result.noise = options.noise >= 0 ? options.noise : estimate_noise(positions, triangles).level;

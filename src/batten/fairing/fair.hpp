@@ -5,6 +5,7 @@
 
 #include "batten/core/arrays.hpp"
 #include "batten/core/progress.hpp"
+#include "batten/linalg/iterative.hpp"
 
 namespace batten {
 
@@ -48,10 +49,7 @@ struct FairingResult {
   int iterations = 0;       ///< rounds or steps taken
   double time_step = 0;     ///< of the flows, else 0
   double largest_move = 0;  ///< in the unit of the mesh
-  /// Iterative solves that stopped at their limit of iterations, and the largest relative residual of any; 0
-  /// for methods without.
-  int unconverged_solves = 0;
-  double largest_residual = 0;
+  SolveQuality solves;      ///< the iterative ones; zeros for methods without
 };
 
 /// Removes noise from a mesh by any of the methods with its thesis or published parameters.

@@ -1,5 +1,4 @@
 #pragma once
-#include <algorithm>
 #include <vector>
 
 #include <Eigen/Core>
@@ -33,16 +32,6 @@ struct Strategy {
 // sharp one checked on mechpart, wingnut and casting; see docs/fair.md for the figures.
 inline constexpr Strategy kSharp{"sharp", 2.0, 0.35, 0.5, 0.05, 0.02, 1.2, 0.3, 1.5, 12, 2};
 inline constexpr Strategy kOrganic{"organic", 1.2, 0.45, 1.0, 0.15, 0.05, 1.0, 0.1, 3.0, 10, 0};
-
-/// The worst of several iterative solves.
-struct SolveQuality {
-  int unconverged = 0;  ///< how many stopped at their limit of iterations
-  double residual = 0;  ///< the largest relative residual
-  void add(const IterativeReport& report) {
-    unconverged += report.converged ? 0 : 1;
-    residual = std::max(residual, report.residual);
-  }
-};
 
 /// One run of a strategy from start to end; see fair_automatically() for its rounds.
 struct FairingRun {

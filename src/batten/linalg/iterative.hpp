@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <functional>
 #include <string_view>
 
@@ -31,6 +32,20 @@ struct IterativeReport {
   int iterations = 0;      ///< of the slowest column
   double residual = 0;     ///< relative, of the worst column
   bool converged = false;  ///< false: the solution is the best found, its residual above the tolerance
+};
+
+/// The worst of several iterative solves.
+struct SolveQuality {
+  int unconverged = 0;  ///< how many stopped at their limit of iterations
+  double residual = 0;  ///< the largest relative residual
+  void add(const IterativeReport& report) {
+    unconverged += report.converged ? 0 : 1;
+    residual = std::max(residual, report.residual);
+  }
+  void add(const SolveQuality& others) {
+    unconverged += others.unconverged;
+    residual = std::max(residual, others.residual);
+  }
 };
 
 /// Conjugate gradients for symmetric positive definite A (n × n, both halves stored).

@@ -238,7 +238,7 @@ class Remesher {
         progress.report("regularization", 0.3);
         const RegularizedAreas wanted = regularized_areas(K, areas, H, shares, kAreaSimilarity,
                                                           progress.part("regularization", 0.35, 0.5));
-        add(wanted.solve);
+        report_.solves.add(wanted.solve);
         progress.report("regularization", 0.5);
         L = relocation_matrix(K, X, areas, wanted.areas, lengths, H);
       } else {
@@ -253,11 +253,6 @@ class Remesher {
     progress.report("projection", 0.8);
     project(progress.part("projection", 0.8, 1));
     return variance;
-  }
-
-  void add(const IterativeReport& solve) {
-    report_.unconverged_solves += solve.converged ? 0 : 1;
-    report_.largest_residual = std::max(report_.largest_residual, solve.residual);
   }
 
   void project(const Progress& progress) {
@@ -309,7 +304,7 @@ class Remesher {
       progress.report("fit", 0.3);
       const SurfaceFitResult fitted = fitted_to_surface(compact.positions, compact.triangles, fixed,
                                                         reference, {}, progress.part("fit", 0.3, 0.4));
-      add(fitted.solve);
+      report_.solves.add(fitted.solve);
       for (std::size_t v = 0; v < compact.vertices.size(); ++v)
         state_->mesh.set_position(compact.vertices[v], fitted.positions.row(static_cast<Eigen::Index>(v)));
     }

@@ -7,6 +7,7 @@
 #include "batten/core/progress.hpp"
 #include "batten/core/stage_times.hpp"
 #include "batten/core/units.hpp"
+#include "batten/linalg/iterative.hpp"
 #include "batten/mesh/triangle_mesh.hpp"
 
 namespace batten {
@@ -51,10 +52,7 @@ struct RemeshReport {
   int corners = 0;                    ///< vertices that were never moved
   std::vector<double> area_variance;  ///< Var(A) / (N Ā²) of relative areas after every round
   double target_vertices = 0;
-  /// Iterative solves (diffusion of areas, fit to the surface) that stopped before they converged, and the
-  /// largest relative residual of any.
-  int unconverged_solves = 0;
-  double largest_residual = 0;
+  SolveQuality solves;  ///< of the diffusion of areas and the fit to the surface
 };
 
 struct RemeshResult {
