@@ -7,6 +7,7 @@
 #include "batten/core/error.hpp"
 #include "batten/core/parallel.hpp"
 #include "batten/core/random.hpp"
+#include "batten/core/statistics.hpp"
 #include "batten/core/text.hpp"
 #include "batten/fairing/neighbours_detail.hpp"
 #include "batten/mesh/normals.hpp"
@@ -128,10 +129,8 @@ NoiseEstimate estimate_noise(const Points& positions, const Triangles& triangles
     if (const double length = normals.row(v).norm(); gains[v] > 0 && length > 0)
       deviations.push_back(std::abs(bi_umbrella.row(v).dot(normals.row(v))) / (length * std::sqrt(gains[v])));
   if (deviations.empty()) return estimate;
-  const auto middle = deviations.begin() + static_cast<std::ptrdiff_t>(deviations.size() / 2);
-  std::nth_element(deviations.begin(), middle, deviations.end());
   constexpr double kMedianOfHalfNormal = 0.67448975;
-  estimate.level = *middle / kMedianOfHalfNormal / edge;
+  estimate.level = upper_median(deviations) / kMedianOfHalfNormal / edge;
   estimate.significance = noise_significance(estimate.level, 0);
   return estimate;
 }

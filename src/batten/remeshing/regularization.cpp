@@ -1,11 +1,11 @@
 #include "batten/remeshing/regularization.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "batten/core/error.hpp"
 #include "batten/core/parallel.hpp"
+#include "batten/core/statistics.hpp"
 #include "batten/operators/laplacian.hpp"
 
 namespace batten {
@@ -33,9 +33,9 @@ void balance_diagonal(SparseMatrix& matrix) {
 Eigen::VectorXd scaled_to_one(const Eigen::VectorXd& curvature) {
   if (curvature.size() == 0) return curvature;
   Eigen::VectorXd sorted = curvature.cwiseAbs();
-  double* const rank = sorted.data() + (sorted.size() - 1) - sorted.size() / 1000;
-  std::nth_element(sorted.data(), rank, sorted.data() + sorted.size());
-  return *rank > 0 ? Eigen::VectorXd((curvature.cwiseAbs() / *rank).cwiseMin(1.0)) : curvature;
+  const auto size = static_cast<std::size_t>(sorted.size());
+  const double most = order_statistic({sorted.data(), size}, size - 1 - size / 1000);
+  return most > 0 ? Eigen::VectorXd((curvature.cwiseAbs() / most).cwiseMin(1.0)) : curvature;
 }
 
 /// A matrix of the pattern of `stiffness` whose column i holds row i of a matrix of weighted means: entry

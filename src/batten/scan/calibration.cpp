@@ -11,6 +11,7 @@
 #include <Eigen/QR>
 
 #include "batten/core/error.hpp"
+#include "batten/core/statistics.hpp"
 #include "batten/core/text.hpp"
 #include "batten/core/units.hpp"
 #include "batten/rotation/so3.hpp"
@@ -29,8 +30,6 @@ using Matrix9d = Eigen::Matrix<double, 9, 9>;
 constexpr Eigen::Index kFewestReadings = 30;
 // Tukey's constant: 95 % efficient for normal errors.
 constexpr double kTukey = 4.685;
-// The median absolute deviation of a normal distribution is its standard deviation divided by this.
-constexpr double kMadToDeviation = 1.4826;
 // Lengths never agree better than this (relative): sensors have 16 bits.
 constexpr double kSmallestScale = 1e-9;
 // No gyroscope's zero is farther off (rad/s); a steady turn is faster.
@@ -40,12 +39,6 @@ constexpr Eigen::Index kRestWindow = 20;
 // Below this the unknowns of the fit are not told apart by the readings (smallest to largest eigenvalue of
 // the normal matrix, scaled to a unit diagonal).
 constexpr double kSmallestDeterminacy = 1e-6;
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 Points finite_rows(const Points& all) {
   Points kept(all.rows(), 3);
@@ -218,9 +211,8 @@ SensorCalibration fit_ellipsoid(const Points& readings, EllipsoidFitReport& repo
       residuals[static_cast<size_t>(i)] = (m * (x.row(i).transpose() - q.tail<3>())).norm() - 1;
   };
   const auto robust_scale = [&] {
-    std::vector<double> absolute = residuals;
-    for (double& r : absolute) r = std::abs(r);
-    return std::max(kSmallestScale, kMadToDeviation * median(std::move(absolute)));
+    std::vector<double> reordered = residuals;
+    return std::max(kSmallestScale, deviation_by_median(reordered, 0));
   };
   const auto weight = [](double r, double deviation) {
     const double u = r / (kTukey * deviation);
@@ -345,13 +337,12 @@ double align_magnetometer(const Points& accelerometer, const Points& magnetomete
   Matrix3d R = Matrix3d::Identity();
   double deviation = 1;
   for (int iteration = 0; iteration < 30; ++iteration) {
-    std::vector<double> angles, misfits;
+    std::vector<double> angles;
     angles.reserve(pairs.size());
-    misfits.reserve(pairs.size());
     for (const auto& [a, m] : pairs) angles.push_back(a.dot(R * m));
-    const double middle = median(angles);
-    for (const double angle : angles) misfits.push_back(std::abs(angle - middle));
-    deviation = std::max(kSmallestScale, kMadToDeviation * median(std::move(misfits)));
+    std::vector<double> reordered = angles;
+    const double middle = upper_median(reordered);
+    deviation = std::max(kSmallestScale, deviation_by_median(reordered, middle));
     Eigen::Matrix4d normal_matrix = Eigen::Matrix4d::Zero();
     Eigen::Vector4d right = Eigen::Vector4d::Zero();
     for (size_t i = 0; i < pairs.size(); ++i) {
@@ -398,7 +389,7 @@ DeviceCalibration calibrate_device(const SensorLog& tumble, const EllipsoidFitOp
     const Vector3d field = device.calibration.magnetometer.apply(tumble.magnetometer.row(i)).normalized();
     cosines.push_back(up.dot(field));
   }
-  if (!cosines.empty()) device.inclination = std::asin(std::clamp(-median(std::move(cosines)), -1.0, 1.0));
+  if (!cosines.empty()) device.inclination = std::asin(std::clamp(-upper_median(cosines), -1.0, 1.0));
 
   find_gyroscope_bias(tumble.gyroscope, device);
 

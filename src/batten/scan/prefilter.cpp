@@ -6,6 +6,7 @@
 #include <Eigen/Dense>
 
 #include "batten/core/error.hpp"
+#include "batten/core/statistics.hpp"
 #include "batten/core/text.hpp"
 #include "batten/core/units.hpp"
 #include "batten/rotation/average.hpp"
@@ -18,15 +19,6 @@ namespace {
 /// Median of the length of a normally distributed vector with unit variance per axis: √ of the median of χ²₃.
 /// Lengths, not components, so that turning the world changes nothing.
 constexpr double kMedianOfNorm = 1.538172;
-
-double median(std::vector<double>& values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  if (values.size() % 2 == 1) return *middle;
-  // Both middle values: the result must not depend on the direction in which a curve was recorded.
-  return 0.5 * (*middle + *std::max_element(values.begin(), middle));
-}
 
 double angle_between(const Eigen::Matrix3d& A, const Eigen::Matrix3d& B) {
   return so3_log(A.transpose() * B).norm();
