@@ -10,6 +10,7 @@
 
 #include <Eigen/Geometry>
 
+#include "batten/core/disjoint_sets.hpp"
 #include "batten/core/error.hpp"
 #include "batten/core/index.hpp"
 #include "batten/core/text.hpp"
@@ -487,22 +488,11 @@ class Builder {
 };
 
 int count_components(const CageTopology& topology, Eigen::Index n_faces) {
-  std::vector<int> parent(static_cast<size_t>(n_faces));
-  for (size_t f = 0; f < parent.size(); ++f) parent[f] = static_cast<int>(f);
-  const auto root = [&](int f) {
-    while (parent[at(f)] != f) f = parent[at(f)] = parent[at(parent[at(f)])];
-    return f;
-  };
-  int n = static_cast<int>(n_faces);
-  for (const std::array<int, 2>& sides : topology.sides) {
-    if (sides[1] < 0) continue;
-    const int a = root(topology.face_of_corner[at(sides[0])]),
-              b = root(topology.face_of_corner[at(sides[1])]);
-    if (a == b) continue;
-    parent[at(std::max(a, b))] = std::min(a, b);
-    --n;
-  }
-  return n;
+  DisjointSets parts(static_cast<int>(n_faces));
+  for (const std::array<int, 2>& sides : topology.sides)
+    if (sides[1] >= 0)
+      parts.unite(topology.face_of_corner[at(sides[0])], topology.face_of_corner[at(sides[1])]);
+  return parts.n_sets();
 }
 
 /// How often a cage must be refined until it is all quads and nothing is semi-sharp.

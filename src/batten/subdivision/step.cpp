@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <mutex>
-#include <numeric>
 #include <sstream>
 
 #include <APIHeaderSection_MakeHeader.hxx>
@@ -42,6 +41,7 @@
 #include <TopoDS_Shell.hxx>
 #include <TopoDS_Solid.hxx>
 
+#include "batten/core/disjoint_sets.hpp"
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
 
@@ -123,20 +123,14 @@ Handle(Geom2d_Line) side_line(int side, bool forward) {
   return new Geom2d_Line(gp_Pnt2d(from[0], from[1]), gp_Dir2d(to[0] - from[0], to[1] - from[1]));
 }
 
+/// Per patch the first patch of its connected part.
 std::vector<int> components(const BsplineSurface& surface) {
-  std::vector<int> parent(surface.patches.size());
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&](int f) {
-    while (parent[static_cast<size_t>(f)] != f) f = parent[static_cast<size_t>(f)];
-    return f;
-  };
-  for (const BsplineEdge& edge : surface.edges) {
-    if (edge.patches[1] < 0) continue;
-    const int a = root(edge.patches[0]), b = root(edge.patches[1]);
-    parent[static_cast<size_t>(std::max(a, b))] = std::min(a, b);
-  }
-  for (size_t f = 0; f < parent.size(); ++f) parent[f] = root(static_cast<int>(f));
-  return parent;
+  DisjointSets parts(static_cast<int>(surface.patches.size()));
+  for (const BsplineEdge& edge : surface.edges)
+    if (edge.patches[1] >= 0) parts.unite(edge.patches[0], edge.patches[1]);
+  std::vector<int> first(surface.patches.size());
+  for (int f = 0; f < parts.size(); ++f) first[static_cast<size_t>(f)] = parts.root(f);
+  return first;
 }
 
 TopoDS_Shape to_shape(const BsplineSurface& surface, double scale) {
