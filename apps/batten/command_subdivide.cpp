@@ -60,12 +60,7 @@ TriangleMesh as_triangles(const PolygonMesh& mesh) {
     if (mesh.offsets[f + 1] - mesh.offsets[f] != 4) return triangulated(mesh);
   TriangleMesh triangles;
   triangles.positions = mesh.positions;
-  triangles.triangles.resize(2 * mesh.n_faces(), 3);
-  for (Eigen::Index f = 0; f < mesh.n_faces(); ++f) {
-    const int* corner = &mesh.corners[static_cast<size_t>(4 * f)];
-    triangles.triangles.row(2 * f) << corner[0], corner[1], corner[2];
-    triangles.triangles.row(2 * f + 1) << corner[0], corner[2], corner[3];
-  }
+  triangles.triangles = cut_at_first_corners(mesh);
   return triangles;
 }
 
