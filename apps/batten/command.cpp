@@ -4,7 +4,6 @@
 
 #include <atomic>
 #include <chrono>
-#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -40,9 +39,9 @@ Chosen chosen;
 /// @throws InvalidInput on anything else.
 int parse_threads(const std::string& text, std::string_view where) {
   constexpr int kMost = 1024;  // more than any processor has today; a larger number is a slip
-  double value = 0;
+  long value = 0;
   if (text == "all") return 0;
-  if (!parse_number(text, value) || !(value >= 1 && value <= kMost) || value != std::floor(value))
+  if (!parse_integer(text, value) || value < 1 || value > kMost)
     throw InvalidInput(
         concat(where, " must be all or a whole number from 1 to ", kMost, ", got '", text, "'"));
   return static_cast<int>(value);
