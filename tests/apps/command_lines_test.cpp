@@ -1,5 +1,7 @@
 #include "apps/run_batten.hpp"
 
+#include <fstream>
+#include <regex>
 #include <string>
 #include <vector>
 
@@ -160,6 +162,28 @@ TEST(CommandLines, InfoConvertAndRenderTakeWhatTheOthersWrite) {
     run_json(std::string("render i.ply -o i.png --size 80x60 --json --shading ") + shading);
   run_json("render i.ply -o i.png --size 80x60 --shading error --against i.ply --json");
   run_json("render i.json -o i.png --size 80x60 --shading porcupine --json");
+}
+
+// ./demo ends with lines to try next: whoever copies one must not meet an error.
+TEST(CommandLines, WhatTheDemoSuggestsRuns) {
+#ifdef __SANITIZE_ADDRESS__
+  GTEST_SKIP() << "a whole reconstruction: minutes under the sanitizers";
+#endif
+  std::ifstream demo(BATTEN_EXAMPLES "/../demo");
+  ASSERT_TRUE(demo.is_open());
+  run_json("simulate sphere -o s.rawnet --truth surface.ply --truth-edge 6% --json");  // for that of the demo
+  int n = 0;
+  for (std::string line; std::getline(demo, line);) {
+    if (line.rfind("  $batten ", 0) != 0) continue;
+    line = std::regex_replace(line, std::regex("\\$out/"), "");
+    line = line.substr(0, line.find(','));  // words after the line
+    const std::regex command("\\$batten ([^&]+)");
+    for (std::sregex_iterator at(line.begin(), line.end(), command), end; at != end; ++at, ++n) {
+      const test::Run run = run_batten((*at)[1].str());
+      EXPECT_EQ(run.exit_code, 0) << line << '\n' << run.err;
+    }
+  }
+  EXPECT_EQ(n, 5);
 }
 
 }  // namespace
