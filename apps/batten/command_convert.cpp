@@ -50,8 +50,8 @@ void convert_network(CurveNetwork network, const ConvertArguments& arguments, co
   if (arguments.sketch) {
     if (network.has_normals())
       throw InvalidInput(concat(arguments.in, " has normals, so it is no sketch; leave --sketch out"));
-    NetworkOfStrokes strokes = run_strokes({}, network, context, outcome);
-    outcome.figures["cycles"] = strokes.cycles.size();
+    StrokeNetwork strokes = run_strokes({}, network, context, outcome);
+    outcome.figures["cycles"] = strokes.estimate.cycles.size();
     network = std::move(strokes.network);
   }
   if (!arguments.weld.empty()) {

@@ -164,9 +164,9 @@ int count_boundary_loops(const CurveNetwork& network) {
 /// file as it is move to "stored".
 void add_sketch_counts(const CurveNetwork& network, const Context& context, Outcome& outcome) {
   Json& f = outcome.figures;
-  NetworkOfStrokes made;
+  StrokeNetwork made;
   try {
-    made = network_of_strokes(network, {}, context.progress);
+    made = stroke_network(network, {}, context.progress);
   } catch (const InvalidInput& problem) {
     outcome.lines.push_back(concat("no patches: ", problem.what()));
     return;
@@ -181,13 +181,13 @@ void add_sketch_counts(const CurveNetwork& network, const Context& context, Outc
   f["nodes"] = topology.nodes.size();
   f["segments"] = topology.segments.size();
   f["components"] = topology.n_components;
-  f["cycles"] = made.cycles.size();
-  f["genus"] = made.n_handles;
+  f["cycles"] = made.estimate.cycles.size();
+  f["genus"] = made.estimate.n_handles;
   outcome.lines.push_back(
       concat("as a surface: ", counted(static_cast<long>(topology.nodes.size()), "node", "nodes"), ", ",
              counted(static_cast<long>(topology.segments.size()), "segment", "segments"), ", ",
-             counted(static_cast<long>(made.cycles.size()), "cycle", "cycles"), ", ",
-             counted(topology.n_components, "component", "components"), ", genus ", made.n_handles));
+             counted(static_cast<long>(made.estimate.cycles.size()), "cycle", "cycles"), ", ",
+             counted(topology.n_components, "component", "components"), ", genus ", made.estimate.n_handles));
 }
 
 void add_network(const CurveNetwork& network, const Context& context, Outcome& outcome) {

@@ -30,9 +30,9 @@ Outcome run_surface(const Arguments& arguments, const Context& context) {
   if (curves.has_normals()) {
     report_surface(arguments.surface, network_surface(curves, options, context.progress), curves, outcome);
   } else {
-    const NetworkOfStrokes strokes = run_strokes(arguments.strokes, curves, context, outcome);
+    const StrokeNetwork strokes = run_strokes(arguments.strokes, curves, context, outcome);
     report_surface(arguments.surface,
-                   network_surface(strokes.network, strokes.cycles, options, context.progress),
+                   network_surface(strokes.network, strokes.estimate.cycles, options, context.progress),
                    strokes.network, outcome);
   }
   return outcome;

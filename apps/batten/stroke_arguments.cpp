@@ -4,6 +4,7 @@
 #include "batten/core/text.hpp"
 #include "batten/core/units.hpp"
 #include "batten/io/network_io.hpp"
+#include "batten/mesh/triangle_mesh.hpp"
 
 namespace batten::cli {
 
@@ -20,41 +21,49 @@ Json finding_json(const NetworkFinding& finding) {
 
 }  // namespace
 
-NetworkOfStrokesOptions stroke_options(const StrokeArguments& arguments) {
-  NetworkOfStrokesOptions options;
-  if (arguments.weld != "auto") options.weld = parse_length(arguments.weld);
-  options.reach = arguments.reach == "none" ? Length{} : parse_length(arguments.reach);
-  options.step = arguments.step == "none" ? Length{} : parse_length(arguments.step);
+StrokeNetworkOptions stroke_options(const StrokeArguments& arguments, double diameter) {
+  const auto fraction = [&](const std::string& text, const char* none) {
+    return text == none ? 0 : parse_length(text).in_file_units(diameter) / diameter;
+  };
+  StrokeNetworkOptions options;
+  options.weld_tolerance = fraction(arguments.weld, "auto");
+  options.reach = fraction(arguments.reach, "none");
+  options.step = fraction(arguments.step, "none");
   return options;
 }
 
-void report_strokes(const NetworkOfStrokes& strokes, Outcome& outcome) {
+void report_strokes(const StrokeNetwork& made, Outcome& outcome) {
+  const CleanedStrokes& strokes = made.strokes;
+  const int n_dangling = count_findings(strokes.findings, NetworkDefect::DanglingEnd),
+            n_near = count_findings(strokes.findings, NetworkDefect::NearMiss);
   Json& figures = outcome.figures;
   figures["strokes"] = strokes.n_strokes;
-  figures["dangling_ends"] = strokes.n_dangling_ends;
-  figures["near_misses"] = strokes.n_near_misses;
-  figures["open_crossings"] = strokes.n_open_crossings;
+  figures["dangling_ends"] = n_dangling;
+  figures["near_misses"] = n_near;
+  figures["open_crossings"] = count_findings(strokes.findings, NetworkDefect::Crossing) +
+                              count_findings(strokes.findings, NetworkDefect::TJunction);
   figures["overdrawn"] = strokes.n_overdrawn;
   figures["extended_ends"] = strokes.n_extended_ends;
   figures["left_out"] = strokes.n_left_out;
-  figures["weld_tolerance"] = strokes.weld_tolerance;
-  figures["doubtful_places"] = strokes.n_doubtful_places;
-  outcome.lines.push_back(concat("sketch: ", strokes.n_strokes, " strokes, ", strokes.n_dangling_ends,
-                                 " dangling ends, ", strokes.n_near_misses, " near misses; ",
-                                 strokes.n_overdrawn, " pieces drawn twice, ", strokes.n_extended_ends,
-                                 " ends extended, ", strokes.n_left_out, " pieces left out, welded within ",
-                                 100 * strokes.weld_tolerance / strokes.diameter, " % of the diameter"));
-  outcome.warnings.insert(outcome.warnings.end(), strokes.warnings.begin(), strokes.warnings.end());
-  outcome.times.add(strokes.times);
+  figures["weld_tolerance"] = made.weld_tolerance * made.diameter;
+  figures["doubtful_places"] = made.estimate.warnings.size();
+  outcome.lines.push_back(concat("sketch: ", strokes.n_strokes, " strokes, ", n_dangling, " dangling ends, ",
+                                 n_near, " near misses; ", strokes.n_overdrawn, " pieces drawn twice, ",
+                                 strokes.n_extended_ends, " ends extended, ", strokes.n_left_out,
+                                 " pieces left out, welded within ", 100 * made.weld_tolerance,
+                                 " % of the diameter"));
+  outcome.warnings.insert(outcome.warnings.end(), made.warnings.begin(), made.warnings.end());
+  outcome.times.add(made.times);
 }
 
-NetworkOfStrokes run_strokes(const StrokeArguments& arguments, const CurveNetwork& strokes,
-                             const Context& context, Outcome& outcome) {
+StrokeNetwork run_strokes(const StrokeArguments& arguments, const CurveNetwork& strokes,
+                          const Context& context, Outcome& outcome) {
   if (!arguments.network.empty()) network_format(arguments.network);  // before any work is done
-  NetworkOfStrokes result = network_of_strokes(strokes, stroke_options(arguments), context.progress);
+  const StrokeNetworkOptions options = stroke_options(arguments, bounding_box_diagonal(strokes.positions));
+  StrokeNetwork result = stroke_network(strokes, options, context.progress);
   report_strokes(result, outcome);
   Json diagnosis = Json::array();
-  for (const NetworkFinding& finding : result.findings) {
+  for (const NetworkFinding& finding : result.strokes.findings) {
     if (!is_notable(finding)) continue;
     diagnosis.push_back(finding_json(finding));
     outcome.lines.push_back(concat("- ", defect_name(finding.defect), ": ", finding.sentence));

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "batten/network/curve_network.hpp"
-#include "batten/pipeline/network_of_strokes.hpp"
+#include "batten/strokes/stroke_network.hpp"
 
 namespace batten::cli {
 
@@ -16,15 +16,15 @@ struct StrokeArguments {
 /// Adds the options; they apply to networks without normals only.
 void add_stroke_options(CLI::App& command, StrokeArguments& arguments);
 
-/// @throws InvalidInput on values that do not parse.
-NetworkOfStrokesOptions stroke_options(const StrokeArguments& arguments);
+/// @param diameter of the strokes. @throws InvalidInput on values that do not parse.
+StrokeNetworkOptions stroke_options(const StrokeArguments& arguments, double diameter);
 
 /// Adds what the strokes amount to: counts of strokes, dangling ends, near misses and of what was mended, a
 /// line of them, warnings and times.
-void report_strokes(const NetworkOfStrokes& strokes, Outcome& outcome);
+void report_strokes(const StrokeNetwork& strokes, Outcome& outcome);
 
 /// Makes a network of strokes, reports it with its diagnosis, and writes it where `network` is not empty.
-NetworkOfStrokes run_strokes(const StrokeArguments& arguments, const CurveNetwork& strokes,
-                             const Context& context, Outcome& outcome);
+StrokeNetwork run_strokes(const StrokeArguments& arguments, const CurveNetwork& strokes,
+                          const Context& context, Outcome& outcome);
 
 }  // namespace batten::cli

@@ -1,7 +1,9 @@
 #include "apps/run_batten.hpp"
 
+#include <cmath>
 #include <fstream>
 #include <regex>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -162,6 +164,35 @@ TEST(CommandLines, InfoConvertAndRenderTakeWhatTheOthersWrite) {
     run_json(std::string("render i.ply -o i.png --size 80x60 --json --shading ") + shading);
   run_json("render i.ply -o i.png --size 80x60 --shading error --against i.ply --json");
   run_json("render i.json -o i.png --size 80x60 --shading porcupine --json");
+}
+
+// Three great circles of the unit sphere as strokes of their own; the diagonal of their box is 2 √3.
+TEST(CommandLines, LengthsOfStrokesAreRelativeOrInTheUnitOfTheFile) {
+  std::ostringstream obj;
+  constexpr int kSides = 60;
+  for (int axis = 0; axis < 3; ++axis)
+    for (int i = 0; i < kSides; ++i) {
+      const double angle = 2 * 3.14159265358979323846 * i / kSides;
+      double p[3] = {0, 0, 0};
+      p[(axis + 1) % 3] = std::cos(angle);
+      p[(axis + 2) % 3] = std::sin(angle);
+      obj << "v " << p[0] << ' ' << p[1] << ' ' << p[2] << '\n';
+    }
+  for (int axis = 0; axis < 3; ++axis) {
+    obj << "l";
+    for (int i = 0; i <= kSides; ++i) obj << ' ' << axis * kSides + i % kSides + 1;
+    obj << '\n';
+  }
+  write_file("circles.obj", obj.str());
+  const std::string length = std::to_string(0.03 * 2 * std::sqrt(3.0));
+  const Json relative = run_json("surface circles.obj -o r.ply --step 3% --json", {"strokes", "diagnosis"});
+  const Json absolute = run_json("surface circles.obj -o a.ply --step " + length + " --json");
+  EXPECT_EQ(relative["strokes"], 3);
+  EXPECT_EQ(relative["cycles"], 8);
+  EXPECT_EQ(relative["genus"], 0);
+  EXPECT_EQ(relative["vertices"], absolute["vertices"]);
+  EXPECT_GT(run_json("surface circles.obj -o f.ply --json")["vertices"], relative["vertices"]);
+  EXPECT_EQ(run_batten("surface circles.obj -o f.ply --weld 0").exit_code, 2);
 }
 
 // ./demo ends with lines to try next: whoever copies one must not meet an error.

@@ -81,7 +81,7 @@ TEST(CurvesSurface, FillsNetworksAsTheyAreAndStrokesAfterCleaning) {
 
   const CurvesSurface drawn = curves_surface(fixtures::unwelded(fixtures::torus_grid(4, 6, 10, 0.1)));
   ASSERT_TRUE(drawn.strokes.has_value());
-  EXPECT_EQ(drawn.strokes->cycles.size(), 24u);  // 4 × 6 faces of the grid
+  EXPECT_EQ(drawn.strokes->estimate.cycles.size(), 24u);  // 4 × 6 faces of the grid
   EXPECT_EQ(drawn.surface.topology.genus().value_or(-1), 1);
   EXPECT_TRUE(drawn.surface.flattening.has_value());
   EXPECT_EQ(drawn.network.positions, drawn.strokes->network.positions);

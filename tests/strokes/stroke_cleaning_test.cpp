@@ -27,8 +27,7 @@ Points arc(double begin, double end, int n, double r = 1, double z = 0) {
 }
 
 int count(const CleanedStrokes& sketch, NetworkDefect defect) {
-  return static_cast<int>(std::count_if(sketch.findings.begin(), sketch.findings.end(),
-                                        [&](const NetworkFinding& f) { return f.defect == defect; }));
+  return count_findings(sketch.findings, defect);
 }
 
 /// The three great circles with vertices of their own, each moved along its axis by `miss` and no normals.

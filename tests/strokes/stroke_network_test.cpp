@@ -179,5 +179,46 @@ TEST(StrokeNetwork, SaysWhyThereIsNothingToSurface) {
   EXPECT_THROW(stroke_network(fixtures::torus_grid(3, 3, 4, 0), options), InvalidInput);
 }
 
+TEST(StrokeNetwork, CountsWhatTheStrokesAmountTo) {
+  const CurveNetwork strokes = fixtures::unwelded(fixtures::torus_grid(4, 6, 10, 0.1));
+  const StrokeNetwork made = stroke_network(strokes);
+  EXPECT_EQ(made.strokes.n_strokes, 10);  // 4 circles one way, 6 the other
+  EXPECT_EQ(made.estimate.cycles.size(), 24u);
+  EXPECT_EQ(made.estimate.n_handles, 1);
+  EXPECT_EQ(count_findings(made.strokes.findings, NetworkDefect::DanglingEnd), 0);
+  EXPECT_TRUE(made.network.has_normals());
+  EXPECT_DOUBLE_EQ(made.diameter, bounding_box_diagonal(strokes.positions));
+  EXPECT_GT(made.weld_tolerance, 0);
+  StrokeNetworkOptions coarse;
+  coarse.step = 0.03;
+  EXPECT_LT(stroke_network(strokes, coarse).network.positions.rows(), made.network.positions.rows());
+}
+
+TEST(StrokeNetwork, StrokesWithoutExtentAreNamed) {
+  CurveNetwork point = fixtures::unwelded(fixtures::torus_grid(4, 6, 10, 0.1));
+  point.positions.setZero();
+  try {
+    stroke_network(point);
+    FAIL() << "a point was taken for strokes";
+  } catch (const InvalidInput& error) {
+    EXPECT_NE(std::string(error.what()).find("no extent"), std::string::npos) << error.what();
+  }
+}
+
+TEST(StrokeNetwork, OptionsOutOfRangeAreNamed) {
+  StrokeNetworkOptions options;
+  options.weld_tolerance = -0.1;
+  ASSERT_TRUE(options.problem().has_value());
+  EXPECT_NE(options.problem()->find("weld"), std::string::npos) << *options.problem();
+}
+
+TEST(IsNotable, LeavesOutWhatEveryStrokeSetHas) {
+  NetworkFinding finding;
+  finding.defect = NetworkDefect::Crossing;
+  EXPECT_FALSE(is_notable(finding));
+  finding.defect = NetworkDefect::DanglingEnd;
+  EXPECT_TRUE(is_notable(finding));
+}
+
 }  // namespace
 }  // namespace batten

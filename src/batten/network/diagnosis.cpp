@@ -345,6 +345,11 @@ std::string_view defect_name(NetworkDefect defect) {
   return "";
 }
 
+int count_findings(const std::vector<NetworkFinding>& findings, NetworkDefect defect) {
+  return static_cast<int>(std::count_if(findings.begin(), findings.end(),
+                                        [&](const NetworkFinding& f) { return f.defect == defect; }));
+}
+
 std::vector<NetworkFinding> diagnose_network(const CurveNetwork& network, const DiagnosisOptions& options) {
   return Diagnosis(network, options).run();
 }

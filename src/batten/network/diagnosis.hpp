@@ -41,6 +41,9 @@ struct NetworkFinding {
   std::string sentence;  ///< all of it in words, with the remedy
 };
 
+/// How many findings are of one kind.
+int count_findings(const std::vector<NetworkFinding>& findings, NetworkDefect defect);
+
 /// Options of diagnose_network(). All are relative or angles, so that the unit does not matter.
 struct DiagnosisOptions {
   /// Curves this near to each other meet, as a fraction of the diameter: twice what a hand-drawn crossing

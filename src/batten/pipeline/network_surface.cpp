@@ -93,7 +93,7 @@ NetworkSurface network_surface(const CurveNetwork& network, const std::vector<Ne
   return result;
 }
 
-CurvesSurface curves_surface(const CurveNetwork& curves, const NetworkOfStrokesOptions& strokes,
+CurvesSurface curves_surface(const CurveNetwork& curves, const StrokeNetworkOptions& strokes,
                              const NetworkSurfaceOptions& options, const Progress& progress) {
   CurvesSurface result;
   if (curves.has_normals()) {
@@ -101,9 +101,9 @@ CurvesSurface curves_surface(const CurveNetwork& curves, const NetworkOfStrokesO
     result.surface = network_surface(curves, options, progress);
     return result;
   }
-  result.strokes = network_of_strokes(curves, strokes, progress);
+  result.strokes = stroke_network(curves, strokes, progress);
   result.network = result.strokes->network;
-  result.surface = network_surface(result.network, result.strokes->cycles, options, progress);
+  result.surface = network_surface(result.network, result.strokes->estimate.cycles, options, progress);
   return result;
 }
 

@@ -11,7 +11,7 @@
 #include "batten/mesh/quality.hpp"
 #include "batten/mesh/triangle_mesh.hpp"
 #include "batten/network/curve_network.hpp"
-#include "batten/pipeline/network_of_strokes.hpp"
+#include "batten/strokes/stroke_network.hpp"
 #include "batten/surfacing/flattening.hpp"
 #include "batten/surfacing/surface.hpp"
 
@@ -58,20 +58,20 @@ struct NetworkSurface {
 NetworkSurface network_surface(const CurveNetwork& network, const NetworkSurfaceOptions& options = {},
                                const Progress& progress = {});
 
-/// The same with patches that are known, as network_of_strokes() gives them; crossing patches are flattened.
+/// The same with patches that are known, as stroke_network() gives them; crossing patches are flattened.
 NetworkSurface network_surface(const CurveNetwork& network, const std::vector<NetworkCycle>& cycles,
                                const NetworkSurfaceOptions& options = {}, const Progress& progress = {});
 
 /// What curves became.
 struct CurvesSurface {
-  std::optional<NetworkOfStrokes> strokes;  ///< where the curves had no normals
-  CurveNetwork network;                     ///< the network that was filled
+  std::optional<StrokeNetwork> strokes;  ///< where the curves had no normals
+  CurveNetwork network;                  ///< the network that was filled
   NetworkSurface surface;
 };
 
 /// The surface of any curves: a network with normals is filled as it is; a stroke set without normals becomes
 /// a network with patches and normals first. @throws InvalidInput, SolverFailure, Cancelled.
-CurvesSurface curves_surface(const CurveNetwork& curves, const NetworkOfStrokesOptions& strokes = {},
+CurvesSurface curves_surface(const CurveNetwork& curves, const StrokeNetworkOptions& strokes = {},
                              const NetworkSurfaceOptions& options = {}, const Progress& progress = {});
 
 }  // namespace batten

@@ -1,6 +1,8 @@
 #include "batten/strokes/stroke_network.hpp"
 
 #include <array>
+#include <cmath>
+#include <utility>
 
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
@@ -45,6 +47,37 @@ double blemishes(const StrokeNetwork& attempt) {
   return static_cast<double>(count) / static_cast<double>(attempt.estimate.cycles.size());
 }
 
+/// The attempt at the given tolerance, or the best of several.
+StrokeNetwork best_attempt(const CurveNetwork& strokes, const StrokeNetworkOptions& options,
+                           const Progress& progress) {
+  if (options.weld_tolerance > 0) return attempt(strokes, options, options.weld_tolerance, progress);
+  std::optional<StrokeNetwork> best;
+  std::optional<InvalidInput> refusal;
+  for (const double tolerance : kTolerances) {
+    try {
+      StrokeNetwork next = attempt(strokes, options, tolerance, progress);
+      if (!best || blemishes(next) < blemishes(*best)) best = std::move(next);
+      if (blemishes(*best) == 0) break;
+    } catch (const InvalidInput& problem) {
+      if (!refusal) refusal = problem;
+    }
+  }
+  if (!best) throw InvalidInput(*refusal);
+  return std::move(*best);
+}
+
+std::vector<std::string> warnings_of(const StrokeNetwork& made) {
+  std::vector<std::string> warnings = made.strokes.warnings;
+  warnings.insert(warnings.end(), made.estimate.warnings.begin(), made.estimate.warnings.end());
+  if (made.estimate.open_curves.empty()) return warnings;
+  std::string names;
+  for (const int c : made.estimate.open_curves)
+    names += (names.empty() ? "" : ", ") + curve_name(made.network, c);
+  warnings.push_back(
+      concat("the surface was left open at ", names, ", where a patch would fold back onto its neighbours"));
+  return warnings;
+}
+
 }  // namespace
 
 std::optional<std::string> StrokeNetworkOptions::problem() const {
@@ -62,21 +95,25 @@ std::optional<std::string> StrokeNetworkOptions::problem() const {
 
 StrokeNetwork stroke_network(const CurveNetwork& strokes, const StrokeNetworkOptions& options,
                              const Progress& progress) {
+  const double diameter = bounding_box_diagonal(strokes.positions);
+  if (!(diameter > 0) || !std::isfinite(diameter))  // first: fractions of it mean nothing then
+    throw InvalidInput("the network has no extent; all its vertices lie at one place");
   if (const auto problem = options.problem()) throw InvalidInput(*problem);
-  if (options.weld_tolerance > 0) return attempt(strokes, options, options.weld_tolerance, progress);
-  std::optional<StrokeNetwork> best;
-  std::optional<InvalidInput> refusal;
-  for (const double tolerance : kTolerances) {
-    try {
-      StrokeNetwork next = attempt(strokes, options, tolerance, progress);
-      if (!best || blemishes(next) < blemishes(*best)) best = std::move(next);
-      if (blemishes(*best) == 0) break;
-    } catch (const InvalidInput& problem) {
-      if (!refusal) refusal = problem;
-    }
+  StageTimes times;
+  StrokeNetwork result;
+  {
+    const ScopedStage stage(times, "sketch");
+    result = best_attempt(strokes, options, progress);
   }
-  if (!best) throw InvalidInput(*refusal);
-  return std::move(*best);
+  result.diameter = diameter;
+  result.warnings = warnings_of(result);
+  result.times = std::move(times);
+  return result;
+}
+
+bool is_notable(const NetworkFinding& finding) {
+  return finding.defect != NetworkDefect::Crossing && finding.defect != NetworkDefect::TJunction &&
+         finding.defect != NetworkDefect::SeparateParts;
 }
 
 }  // namespace batten
