@@ -111,6 +111,10 @@ void PatchSystems::fill_rim_mass(Patch& patch) const {
   std::vector<int> columns;
   for (std::size_t r = 0; r < patch.rim.size(); ++r)
     if (row_weights_[patch.rim[r]] > 0) columns.push_back(static_cast<int>(r));
+  const auto rim = static_cast<Index>(patch.rim.size());
+  patch.rim_mass = MatrixXd::Zero(rim, rim);
+  // Eigen's update by a product reads the address of the first entry even where there is none.
+  if (columns.empty() || patch.vertices.empty()) return;
   MatrixXd right = MatrixXd::Zero(patch.to_rim.rows(), static_cast<Index>(columns.size()));
   for (std::size_t c = 0; c < columns.size(); ++c)
     for (SparseMatrix::InnerIterator entry(patch.to_rim, columns[c]); entry; ++entry)
@@ -118,8 +122,6 @@ void PatchSystems::fill_rim_mass(Patch& patch) const {
   const MatrixXd weighted = patch.mass.cwiseSqrt().asDiagonal() * patch.factor.solve(right);
   MatrixXd product = MatrixXd::Zero(weighted.cols(), weighted.cols());
   product.selfadjointView<Eigen::Lower>().rankUpdate(weighted.transpose());
-  const auto rim = static_cast<Index>(patch.rim.size());
-  patch.rim_mass = MatrixXd::Zero(rim, rim);
   for (std::size_t j = 0; j < columns.size(); ++j)
     for (std::size_t i = j; i < columns.size(); ++i)
       patch.rim_mass(columns[i], columns[j]) = product(static_cast<Index>(i), static_cast<Index>(j));
