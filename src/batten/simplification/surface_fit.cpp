@@ -156,12 +156,11 @@ void SurfaceFit::locate(const Progress& progress) {
   rms_ = std::sqrt(sum / area_);
 }
 
-bool SurfaceFit::try_flip(int h) {
+bool SurfaceFit::gains_by_flip(int h) const {
   if (!mesh_.can_flip(h)) return false;
   const int o = mesh_.opposite(h);
-  const int u = mesh_.from(h), v = mesh_.to(h), w = mesh_.tip(h), x = mesh_.tip(o);
-  const Vector3d &pu = mesh_.position(u), &pv = mesh_.position(v), &pw = mesh_.position(w),
-                 &px = mesh_.position(x);
+  const Vector3d &pu = mesh_.position(mesh_.from(h)), &pv = mesh_.position(mesh_.to(h)),
+                 &pw = mesh_.position(mesh_.tip(h)), &px = mesh_.position(mesh_.tip(o));
   // Faces after the flip: (x, w, u) and (w, x, v).
   const Vector3d a1 = (pw - px).cross(pu - px), a2 = (px - pw).cross(pv - pw);
   const Vector3d b1 = (pv - pu).cross(pw - pu), b2 = (pu - pv).cross(px - pv);
@@ -186,7 +185,14 @@ bool SurfaceFit::try_flip(int h) {
       change += samples_[s].area * (d - located_[s].squared);
       if (d > located_[s].squared) furthest = std::max(furthest, d);
     }
-  if (!(change < allowance) || (change >= 0 && gain <= 0) || furthest > largest_) return false;
+  return change < allowance && (change < 0 || gain > 0) && !(furthest > largest_);
+}
+
+bool SurfaceFit::flip_if_free(int h) {
+  const int o = mesh_.opposite(h);
+  const int u = mesh_.from(h), v = mesh_.to(h), w = mesh_.tip(h), x = mesh_.tip(o);
+  const Vector3d &pu = mesh_.position(u), &pv = mesh_.position(v), &pw = mesh_.position(w),
+                 &px = mesh_.position(x);
   star_ = {{{x, w, u}, {px, pw, pu}}, {{w, x, v}, {pw, px, pv}}};
   replaced_ = {HalfedgeMesh::face(h), HalfedgeMesh::face(o)};
   if (tree_.intersects(star_, replaced_)) return false;
@@ -220,25 +226,44 @@ bool SurfaceFit::try_flip(int h) {
 }
 
 int SurfaceFit::flip_edges(const Progress& progress) {
+  const int n = mesh_.halfedge_capacity();
+  // What an edge gains depends on its two faces alone: all are asked at once, and those beside a flip again
+  // when their turn comes, so that the order of the edges decides as if they were asked one by one.
+  std::vector<char> gains(static_cast<std::size_t>(n), 0);
+  parallel_for(
+      n, 1024,
+      [&](Eigen::Index begin, Eigen::Index end) {
+        for (int h = static_cast<int>(begin); h < end; ++h)
+          gains[h] = mesh_.has_halfedge(h) && mesh_.is_representative(h) && gains_by_flip(h) ? 1 : 0;
+      },
+      progress.part("flips", 0, 0.7));
+  std::vector<char> flipped_face(static_cast<std::size_t>(mesh_.face_capacity()), 0);
   int flipped = 0, tried = 0;
-  for (int h = 0; h < mesh_.halfedge_capacity(); ++h) {
-    if (mesh_.has_halfedge(h) && tried++ % kTriesPerReport == 0)
-      progress.report("flips", h / static_cast<double>(mesh_.halfedge_capacity()));
-    if (mesh_.has_halfedge(h) && mesh_.is_representative(h) && try_flip(h)) ++flipped;
+  for (int h = 0; h < n; ++h) {
+    if (!mesh_.has_halfedge(h) || !mesh_.is_representative(h)) continue;
+    const int o = mesh_.opposite(h);
+    const bool changed =
+        flipped_face[HalfedgeMesh::face(h)] != 0 || (o != kNone && flipped_face[HalfedgeMesh::face(o)] != 0);
+    // A flip elsewhere may have made the edge that this one would.
+    if (!(changed ? gains_by_flip(h) : gains[h] != 0 && mesh_.can_flip(h))) continue;
+    if (tried++ % kTriesPerReport == 0) progress.report("flips", 0.7 + 0.3 * h / n);
+    if (!flip_if_free(h)) continue;
+    ++flipped;
+    flipped_face[HalfedgeMesh::face(h)] = flipped_face[HalfedgeMesh::face(mesh_.opposite(h))] = 1;
   }
   return flipped;
 }
 
-bool SurfaceFit::try_move(int v) {
+SurfaceFit::Pull SurfaceFit::pull_at(int v) const {
   const Vector3d p = mesh_.position(v);
-  Matrix3d A = Matrix3d::Zero();
-  Vector3d g = Vector3d::Zero(), normal = Vector3d::Zero(), target = Vector3d::Zero();
-  bool marked = false;
-  double mass = 0, target_weight = 0, least_before = 1, shortest = 1e300;
+  Pull pull;
+  Matrix3d& A = pull.matrix;
+  Vector3d normal = Vector3d::Zero(), target = Vector3d::Zero();
+  double mass = 0, target_weight = 0;
   int n_faces = 0;
   mesh_.for_each_outgoing(v, [&](int h) {
     const int f = HalfedgeMesh::face(h), k = h % 3;
-    marked = marked || mesh_.is_marked(h);
+    pull.held = pull.held || mesh_.is_marked(h);
     const Vector3d &a = mesh_.position(mesh_.to(h)), &b = mesh_.position(mesh_.tip(h));
     const Vector3d corners[3] = {mesh_.position(mesh_.from(3 * f)), mesh_.position(mesh_.from(3 * f + 1)),
                                  mesh_.position(mesh_.from(3 * f + 2))};
@@ -250,12 +275,12 @@ bool SurfaceFit::try_move(int v) {
                                         at.weights[1] * corners[1] - at.weights[2] * corners[2]);
       const double area = samples_[s].area;
       A.noalias() += (area * w * w) * at.direction * at.direction.transpose();
-      g += (area * w * r) * at.direction;
+      pull.right += (area * w * r) * at.direction;
       mass += area * w * w;
     }
     normal += (a - p).cross(b - p);
-    least_before = std::min(least_before, height_ratio(p, a, b));
-    shortest = std::min(shortest, (a - p).squaredNorm());
+    pull.least_height = std::min(pull.least_height, height_ratio(p, a, b));
+    pull.shortest = std::min(pull.shortest, (a - p).squaredNorm());
     // Apex of the equilateral triangle over the opposite edge, in the plane of the face.
     const Vector3d edge = b - a, middle = 0.5 * (a + b);
     const double l2 = edge.squaredNorm();
@@ -269,82 +294,136 @@ bool SurfaceFit::try_move(int v) {
     }
   });
   if (n_faces > 0) target_weight /= n_faces;
-  if (marked || target_weight == 0 || normal.squaredNorm() == 0) return false;
+  pull.held = pull.held || target_weight == 0 || normal.squaredNorm() == 0;
+  if (pull.held) return pull;
   normal.normalize();
-  target /= target_weight * n_faces;
-  const double pull = shape_pull_ * budget_ * budget_ * target_weight * mass + 1e-12 * mass + 1e-30;
-  const Matrix3d tangential = Matrix3d::Identity() - normal * normal.transpose();
-  A += pull * tangential + (1e-6 * mass + 1e-30) * Matrix3d::Identity();
-  g += pull * (tangential * (target - p));
-  Vector3d step = A.ldlt().solve(g);
-  if (!step.allFinite()) return false;
-  const double longest = 0.5 * std::sqrt(shortest);
-  if (step.squaredNorm() > longest * longest) step *= longest / step.norm();
-  double nearest_sample = 0, furthest_sample = 0, height = 0;
-  const auto objective = [&](const Vector3d& x) {
-    double sum = pull * (tangential * (x - target)).squaredNorm(), w[3];
-    nearest_sample = std::numeric_limits<double>::infinity();
-    furthest_sample = 0;
-    mesh_.for_each_outgoing(v, [&](int h) {
-      const int f = HalfedgeMesh::face(h);
-      const Vector3d &a = mesh_.position(mesh_.to(h)), &b = mesh_.position(mesh_.tip(h));
-      const int before = mesh_.opposite(h), after = mesh_.opposite(HalfedgeMesh::prev(h));
-      const Vector3d *pa = before == kNone ? nullptr : &mesh_.position(mesh_.tip(before)),
-                     *pb = after == kNone ? nullptr : &mesh_.position(mesh_.to(after));
-      for (int s = first_[f]; s != kNone; s = next_[s]) {
-        const Vector3d& y = samples_[s].point;
-        const double near = (y - x).squaredNorm();
-        if (near < nearest_sample) {
-          nearest_sample = near;
-          height = samples_[s].normal.cast<double>().dot(x - y);
-        }
-        double d = nearest_on_triangle(y, x, a, b, w);
-        const double own[3] = {w[0], w[1], w[2]};
-        if (own[2] == 0 && pa != nullptr) d = std::min(d, nearest_on_triangle(y, x, *pa, a, w));
-        if (own[1] == 0 && pb != nullptr) d = std::min(d, nearest_on_triangle(y, x, b, *pb, w));
-        sum += samples_[s].area * d;
-        furthest_sample = std::max(furthest_sample, d);
+  pull.target = target / (target_weight * n_faces);
+  pull.weight = shape_pull_ * budget_ * budget_ * target_weight * mass + 1e-12 * mass + 1e-30;
+  pull.tangential = Matrix3d::Identity() - normal * normal.transpose();
+  A += pull.weight * pull.tangential + (1e-6 * mass + 1e-30) * Matrix3d::Identity();
+  pull.right += pull.weight * (pull.tangential * (pull.target - p));
+  return pull;
+}
+
+SurfaceFit::Fit SurfaceFit::fit_at(int v, const Vector3d& x, const Pull& pull) const {
+  Fit fit{pull.weight * (pull.tangential * (x - pull.target)).squaredNorm(),
+          std::numeric_limits<double>::infinity(), 0, 0};
+  double w[3];
+  mesh_.for_each_outgoing(v, [&](int h) {
+    const int f = HalfedgeMesh::face(h);
+    const Vector3d &a = mesh_.position(mesh_.to(h)), &b = mesh_.position(mesh_.tip(h));
+    const int before = mesh_.opposite(h), after = mesh_.opposite(HalfedgeMesh::prev(h));
+    const Vector3d *pa = before == kNone ? nullptr : &mesh_.position(mesh_.tip(before)),
+                   *pb = after == kNone ? nullptr : &mesh_.position(mesh_.to(after));
+    for (int s = first_[f]; s != kNone; s = next_[s]) {
+      const Vector3d& y = samples_[s].point;
+      const double near = (y - x).squaredNorm();
+      if (near < fit.nearest) {
+        fit.nearest = near;
+        fit.height = samples_[s].normal.cast<double>().dot(x - y);
       }
-    });
-    return sum;
-  };
-  const double present = objective(p);
+      double d = nearest_on_triangle(y, x, a, b, w);
+      const double own[3] = {w[0], w[1], w[2]};
+      if (own[2] == 0 && pa != nullptr) d = std::min(d, nearest_on_triangle(y, x, *pa, a, w));
+      if (own[1] == 0 && pb != nullptr) d = std::min(d, nearest_on_triangle(y, x, b, *pb, w));
+      fit.sum += samples_[s].area * d;
+      fit.furthest = std::max(fit.furthest, d);
+    }
+  });
+  return fit;
+}
+
+bool SurfaceFit::keeps_shape(int v, const Vector3d& q, double least_height) const {
+  const Vector3d p = mesh_.position(v);
+  bool keeps = true;
+  double least_after = 1;
+  mesh_.for_each_outgoing(v, [&](int h) {
+    const Vector3d &a = mesh_.position(mesh_.to(h)), &b = mesh_.position(mesh_.tip(h));
+    const Vector3d before = (a - p).cross(b - p), after = (a - q).cross(b - q);
+    if (before.dot(after) < kLeastCosine * before.norm() * after.norm()) keeps = false;
+    least_after = std::min(least_after, height_ratio(q, a, b));
+  });
+  return keeps && !(least_after < kLeastHeight && least_after < least_height);
+}
+
+SurfaceFit::Move SurfaceFit::plan_move(int v, int first_attempt) const {
+  const Vector3d p = mesh_.position(v);
+  const Pull pull = pull_at(v);
+  if (pull.held) return {};
+  Vector3d step = pull.matrix.ldlt().solve(pull.right);
+  if (!step.allFinite()) return {};
+  const double longest = 0.5 * std::sqrt(pull.shortest);
+  if (step.squaredNorm() > longest * longest) step *= longest / step.norm();
+  const Fit present = fit_at(v, p, pull);
   const double away = 1.5 * spacing_ + 3 * budget_;
-  const double furthest = std::max(nearest_sample, away * away),
-               largest = std::max(furthest_sample, largest_), highest = std::max(height * height, largest_);
-  for (int attempt = 0; attempt < 3; ++attempt, step *= 0.3) {
-    if (!(objective(p + step) < present) || nearest_sample > furthest || furthest_sample > largest ||
-        height * height > highest)
-      continue;
-    const Vector3d q = p + step;
+  const double nearest = std::max(present.nearest, away * away),
+               furthest = std::max(present.furthest, largest_),
+               highest = std::max(present.height * present.height, largest_);
+  for (int attempt = 0; attempt < kAttempts; ++attempt, step *= 0.3) {
+    if (attempt < first_attempt) continue;
+    const Fit fit = fit_at(v, p + step, pull);
+    if (fit.sum < present.sum && !(fit.nearest > nearest) && !(fit.furthest > furthest) &&
+        !(fit.height * fit.height > highest) && keeps_shape(v, p + step, pull.least_height))
+      return {attempt, p + step};
+  }
+  return {};
+}
+
+bool SurfaceFit::move_if_free(int v, Move move) {
+  for (; move.attempt < kAttempts; move = plan_move(v, move.attempt + 1)) {
     star_.clear();
     replaced_.clear();
-    bool allowed = true;
-    double least_after = 1;
     mesh_.for_each_outgoing(v, [&](int h) {
-      const int ia = mesh_.to(h), ib = mesh_.tip(h);
-      const Vector3d &a = mesh_.position(ia), &b = mesh_.position(ib);
-      const Vector3d before = (a - p).cross(b - p), after = (a - q).cross(b - q);
-      if (before.dot(after) < kLeastCosine * before.norm() * after.norm()) allowed = false;
-      least_after = std::min(least_after, height_ratio(q, a, b));
-      star_.push_back({{v, ia, ib}, {q, a, b}});
+      const int a = mesh_.to(h), b = mesh_.tip(h);
+      star_.push_back({{v, a, b}, {move.to, mesh_.position(a), mesh_.position(b)}});
       replaced_.push_back(HalfedgeMesh::face(h));
     });
-    if (!allowed || (least_after < kLeastHeight && least_after < least_before)) continue;
     if (tree_.intersects(star_, replaced_)) continue;
-    mesh_.set_position(v, q);
+    mesh_.set_position(v, move.to);
     for (const int f : replaced_) tree_.update(f);
     return true;
   }
   return false;
 }
 
+std::vector<std::vector<int>> SurfaceFit::independent_vertices() const {
+  std::vector<int> colour(static_cast<std::size_t>(mesh_.vertex_capacity()), -1);
+  std::vector<std::vector<int>> sets;
+  std::vector<char> taken;
+  for (int v = 0; v < mesh_.vertex_capacity(); ++v) {
+    if (!mesh_.has_vertex(v) || mesh_.is_border_vertex(v)) continue;
+    taken.assign(sets.size() + 1, 0);
+    mesh_.for_each_neighbour(v, [&](int w) {
+      if (colour[w] >= 0) taken[colour[w]] = 1;
+    });
+    colour[v] = static_cast<int>(std::find(taken.begin(), taken.end(), 0) - taken.begin());
+    if (colour[v] == static_cast<int>(sets.size())) sets.emplace_back();
+    sets[colour[v]].push_back(v);
+  }
+  return sets;
+}
+
 int SurfaceFit::move_vertices(const Progress& progress) {
   int moved = 0, tried = 0;
-  for (int v = 0; v < mesh_.vertex_capacity(); ++v) {
-    if (mesh_.has_vertex(v) && tried++ % kTriesPerReport == 0)
-      progress.report("moves", v / static_cast<double>(mesh_.vertex_capacity()));
-    if (mesh_.has_vertex(v) && !mesh_.is_border_vertex(v) && try_move(v)) ++moved;
+  const std::vector<std::vector<int>> sets = independent_vertices();
+  std::vector<Move> moves;
+  double done = 0;
+  for (const std::vector<int>& vertices : sets) {
+    // A move depends on the faces around its vertex alone, and no two of the set share one: they are planned
+    // at once. Whether the moved faces would meet others is asked one by one.
+    moves.assign(vertices.size(), {});
+    const double share = static_cast<double>(vertices.size()) / mesh_.vertex_capacity();
+    parallel_for(
+        static_cast<Eigen::Index>(vertices.size()), 64,
+        [&](Eigen::Index begin, Eigen::Index end) {
+          for (Eigen::Index i = begin; i < end; ++i) moves[i] = plan_move(vertices[i], 0);
+        },
+        progress.part("moves", done, done + 0.8 * share));
+    for (std::size_t i = 0; i < vertices.size(); ++i) {
+      if (tried++ % kTriesPerReport == 0) progress.report("moves", done + 0.8 * share);
+      if (move_if_free(vertices[i], moves[i])) ++moved;
+    }
+    done += share;
   }
   return moved;
 }

@@ -1,4 +1,5 @@
 #pragma once
+#include <limits>
 #include <vector>
 
 #include <Eigen/Core>
@@ -64,8 +65,42 @@ class SurfaceFit {
   double squared_distance(const Eigen::Vector3d& p, int f, double* weights) const;
   void locate_one(int s);
   double mean_smallest_angle() const;
-  bool try_flip(int h);
-  bool try_move(int v);
+
+  /// Whether turning the edge of h folds nothing and gains shape or fit. Looks at its two faces alone.
+  bool gains_by_flip(int h) const;
+  /// Turns the edge where the turned faces meet no others. @pre gains_by_flip(h)
+  bool flip_if_free(int h);
+
+  /// The linearised least-squares problem of one vertex, `matrix` · step = `right`: squared distances of the
+  /// samples around it, and `weight` times the squared tangential distance from where its triangles are best
+  /// shaped.
+  struct Pull {
+    bool held = false;  ///< on a marked edge, or without a normal
+    Eigen::Matrix3d matrix = Eigen::Matrix3d::Zero(), tangential = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d right = Eigen::Vector3d::Zero(), target = Eigen::Vector3d::Zero();
+    double weight = 0, least_height = 1;
+    double shortest = std::numeric_limits<double>::infinity();  ///< square of the shortest edge
+  };
+  Pull pull_at(int v) const;
+  /// What a vertex costs where it is put: the energy whose linearisation Pull is, the squared distances of
+  /// the nearest and furthest sample, and how high above the nearest one's tangent plane it lies.
+  struct Fit {
+    double sum, nearest, furthest, height;
+  };
+  Fit fit_at(int v, const Eigen::Vector3d& x, const Pull& pull) const;
+  bool keeps_shape(int v, const Eigen::Vector3d& q, double least_height) const;
+
+  static constexpr int kAttempts = 3;  ///< at a move, each 0.3 times as long as the one before
+  struct Move {
+    int attempt = kAttempts;  ///< that led there; kAttempts: stay
+    Eigen::Vector3d to = Eigen::Vector3d::Zero();
+  };
+  /// Where a vertex should go, apart from what other faces it would meet. Looks at the faces around it alone.
+  Move plan_move(int v, int first_attempt) const;
+  /// Makes the move, or the next shorter one that meets no other faces.
+  bool move_if_free(int v, Move move);
+  /// Inner vertices in sets of which no two share a face.
+  std::vector<std::vector<int>> independent_vertices() const;
 
   HalfedgeMesh& mesh_;
   FaceTree& tree_;
