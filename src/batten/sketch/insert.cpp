@@ -169,6 +169,13 @@ void refuse_end(const PolylineMesh& mesh, const Vector3d& end, const std::string
              " or more"));
 }
 
+bool runs_between_curves(const PolylineMesh& mesh, const DrawnStroke& drawn, double snap) {
+  if (mesh.empty() || drawn.points.rows() < 2 || !drawn.points.allFinite()) return false;
+  const NearestPlace start = nearest_place(mesh, drawn.points.row(0)),
+                     end = nearest_place(mesh, drawn.points.row(drawn.points.rows() - 1));
+  return start.distance <= snap && end.distance <= snap && (start.position - end.position).norm() > 3 * snap;
+}
+
 std::vector<int> add_loop(PolylineMesh& mesh, const Stroke& stroke, double sharpness, int curve) {
   // Held where vertices will be: the corners, and seams so that there are two.
   std::vector<HeldPoint> held;
@@ -341,7 +348,7 @@ EditReport insert_ready(PolylineMesh& mesh, const Stroke& stroke, const std::vec
 
 EditReport insert_curve(PolylineMesh& mesh, const DrawnStroke& drawn, const InsertOptions& options) {
   const double snap = detail::snap_or_default(mesh, drawn.points, options);
-  const Stroke stroke = detail::ready_stroke(drawn, snap);
+  const Stroke stroke = detail::ready_stroke(drawn, snap, !detail::runs_between_curves(mesh, drawn, snap));
   return detail::insert_ready(mesh, stroke, detail::find_contacts(mesh, stroke, snap), snap, options);
 }
 

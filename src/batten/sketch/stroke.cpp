@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -11,6 +12,7 @@
 #include "batten/core/units.hpp"
 #include "batten/curves/bspline.hpp"
 #include "batten/curves/polyline.hpp"
+#include "batten/sketch/closing_detail.hpp"
 
 namespace batten {
 
@@ -24,6 +26,8 @@ constexpr double kWindow = 0.02;  // of the length: how far a corner looks to ei
 constexpr double kWidestWindow = 0.06;
 /// Noise turns arms of so many of its standard deviations by 0.12 radians or so, an eighth of a corner.
 constexpr double kWindowOfNoise = 20;
+/// Times the angle of a corner: at a seam that had to be joined a kink of less is how the hand came round.
+constexpr double kCornerOfHand = 1.4;
 constexpr double kChordError = 1e-5;  // of the length
 constexpr double kFitError = 5e-6;    // of the length; of strokes without noise
 constexpr double kClearOfHolds = 10;  // times how far a held point lies off the stroke
@@ -175,6 +179,22 @@ std::vector<int> find_corners(const Stroke& stroke, double corner_angle) {
     if (is_peak) corners.push_back(static_cast<int>(i));
   }
   return corners;
+}
+
+/// Where a hand closes a loop the pen was set down and taken off: a corner within the window of the seam
+/// counts only where the stroke also turns by `least_turn` from before the hooks that pens leave to behind
+/// them.
+void drop_hooks_at_seam(Stroke& stroke, double least_turn) {
+  const ArcWalk walk(stroke);
+  const double inner = kWindow * walk.length(), outer = kWidestWindow * walk.length();
+  const auto is_hook = [&](int corner) {
+    const double s = walk.arc(corner);
+    if (std::min(s, walk.length() - s) > outer) return false;
+    return angle_between(walk.at(s - inner) - walk.at(s - inner - outer),
+                         walk.at(s + inner + outer) - walk.at(s + inner)) < least_turn;
+  };
+  stroke.corners.erase(std::remove_if(stroke.corners.begin(), stroke.corners.end(), is_hook),
+                       stroke.corners.end());
 }
 
 struct Sample {
@@ -370,11 +390,22 @@ Stroke prepare_stroke(const Points& points, const StrokeOptions& options) {
   stroke.noise = estimate_noise(stroke.points);
 
   const double gap = (stroke.points.row(0) - stroke.points.row(stroke.points.rows() - 1)).norm();
-  stroke.length = stroke.arcs().back();
+  stroke.length = arc_lengths(stroke.points).back();
   stroke.closed = options.closed || (gap <= options.snap && stroke.length > 6 * options.snap);
-  if (stroke.closed) {
-    const double spacing = stroke.length / static_cast<double>(stroke.points.rows());
-    if (gap < 0.5 * spacing) stroke.points.conservativeResize(stroke.points.rows() - 1, 3);
+  std::optional<detail::Closing> closing;
+  if (stroke.closed)
+    closing = detail::closing_of_loop(stroke.points);
+  else if (options.recognise_loops)
+    closing = detail::find_closing(stroke.points);
+  bool joined = false;
+  if (closing) {
+    stroke.closed = true;
+    detail::ClosedLoop loop = detail::closed_loop(stroke.points, *closing);
+    stroke.points = std::move(loop.points);
+    joined = loop.joined;
+    const double spacing = arc_lengths(stroke.points).back() / static_cast<double>(stroke.points.rows());
+    if ((stroke.points.row(0) - stroke.points.row(stroke.points.rows() - 1)).norm() < 0.5 * spacing)
+      stroke.points.conservativeResize(stroke.points.rows() - 1, 3);
     if (stroke.points.rows() < 3)
       throw RefusedEdit("a closed stroke needs three different points", "draw it with three points or more");
   }
@@ -390,6 +421,8 @@ Stroke prepare_stroke(const Points& points, const StrokeOptions& options) {
   if (stroke.points.rows() < (stroke.closed ? 3 : 2))
     throw RefusedEdit("the stroke is all noise around one place", "draw a longer stroke");
   stroke.corners = find_corners(stroke, options.corner_angle);
+  if (stroke.closed && (joined || stroke.noise > 1e-5 * stroke.length))
+    drop_hooks_at_seam(stroke, (joined ? kCornerOfHand : 1) * options.corner_angle);
   if (!stroke.closed) {  // a hook where the pen was set down or taken off, nearer to the end than any curve
     const std::vector<double> arcs = stroke.arcs();
     const auto is_hook = [&](int corner) {

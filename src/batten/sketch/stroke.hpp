@@ -34,8 +34,12 @@ struct Stroke {
 /// How a stroke is made ready.
 struct StrokeOptions {
   /// The stroke is closed. Off: it is closed where its ends lie within `snap` of each other and it runs
-  /// further than six times that.
+  /// further than six times that, and where `recognise_loops` says so.
   bool closed = false;
+  /// A stroke that comes round is closed as hands close it: what it runs past its beginning is cut off at the
+  /// nearest approach, a gap of up to a quarter of its size is bridged, and an offset to the side is spread
+  /// over both ends.
+  bool recognise_loops = false;
   /// Snapping distance, in the unit of the model, positive.
   double snap = 0;
   /// Turns sharper than this within 2 % of the length (up to 6 % where there is noise) are corners, in

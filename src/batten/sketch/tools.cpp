@@ -125,9 +125,10 @@ double snap_or_default(const PolylineMesh& mesh, const Points& stroke, const Ins
   return options.snap > 0 ? options.snap : default_snap(mesh, stroke);
 }
 
-Stroke ready_stroke(const DrawnStroke& drawn, double snap) {
+Stroke ready_stroke(const DrawnStroke& drawn, double snap, bool may_close) {
   StrokeOptions options;
   options.closed = drawn.closed;
+  options.recognise_loops = may_close;
   options.snap = snap;
   Stroke stroke = prepare_stroke(drawn.points, options);
   const SelfContact self = self_contact(stroke, 0.25 * snap);

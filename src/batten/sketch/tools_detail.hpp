@@ -10,7 +10,10 @@ namespace batten::detail {
 
 double snap_or_default(const PolylineMesh& mesh, const Points& stroke, const InsertOptions& options);
 /// prepare_stroke(), and refuses strokes that cross themselves.
-Stroke ready_stroke(const DrawnStroke& drawn, double snap);
+/// @param may_close whether a stroke that looks like a loop is one, where its ends are not on each other.
+Stroke ready_stroke(const DrawnStroke& drawn, double snap, bool may_close = false);
+/// Whether a stroke begins and ends on the network, in two places: then it is open, whatever it looks like.
+bool runs_between_curves(const PolylineMesh& mesh, const DrawnStroke& drawn, double snap);
 /// @throws RefusedEdit unless the curve exists.
 void require_curve(const PolylineMesh& mesh, int curve);
 
