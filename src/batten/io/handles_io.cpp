@@ -5,7 +5,6 @@
 #include <initializer_list>
 #include <string_view>
 
-#include <Eigen/Geometry>
 #include <nlohmann/json.hpp>
 
 #include "batten/core/error.hpp"
@@ -139,36 +138,6 @@ class HandleReader {
 };
 
 }  // namespace
-
-std::vector<int> Handles::vertices() const {
-  std::vector<int> all = fixed;
-  for (const HandleMotion& motion : moved)
-    all.insert(all.end(), motion.vertices.begin(), motion.vertices.end());
-  return all;
-}
-
-Points Handles::targets(const Points& positions, double share) const {
-  Points result(static_cast<Eigen::Index>(vertices().size()), 3);
-  Eigen::Index row = 0;
-  for (const int v : fixed) result.row(row++) = positions.row(v);
-  for (const HandleMotion& motion : moved) {
-    const Eigen::Matrix3d R = Eigen::AngleAxisd(share * motion.angle, motion.axis).toRotationMatrix();
-    for (std::size_t i = 0; i < motion.vertices.size(); ++i) {
-      const Vector3d p = positions.row(motion.vertices[i]);
-      Vector3d target = R * (p - motion.about) + motion.about + share * motion.translation;
-      if (motion.targets.rows() > 0)
-        target = (1 - share) * p + share * Vector3d(motion.targets.row(static_cast<Eigen::Index>(i)));
-      result.row(row++) = target;
-    }
-  }
-  return result;
-}
-
-double Handles::largest_angle() const {
-  double angle = 0;
-  for (const HandleMotion& motion : moved) angle = std::max(angle, std::abs(motion.angle));
-  return angle;
-}
 
 Handles read_handles(const std::string& path, const Points& positions) {
   return HandleReader(path, positions).read();
