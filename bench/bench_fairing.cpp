@@ -81,7 +81,7 @@ int main(int argc, char** argv) {
       for (const FairingMethod method :
            {FairingMethod::Automatic, FairingMethod::GuidedNormal, FairingMethod::BilateralNormal,
             FairingMethod::Taubin, FairingMethod::NonlocalSurfaceDiffusion})
-        add(fairing_method_names()[static_cast<std::size_t>(method)],
+        add(std::string(word_of(method)),
             [=](benchmark::State& s) { run_batten(s, *subject, method, level); });
       add("meshlab_two_step", [=](benchmark::State& s) {
         run_meshlab(s, *subject, meshlab::two_step_smoothing(), level);

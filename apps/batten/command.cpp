@@ -175,6 +175,23 @@ CLI::App* add_command(CLI::App& app, const std::string& name, const std::string&
   return command;
 }
 
+void add_run(const StageTimes& times, const std::vector<std::string>& warnings, Outcome& outcome) {
+  outcome.times.add(times);
+  for (const std::string& warning : warnings) {
+    std::string shown;
+    bool in_option = false;
+    for (const char c : warning) {
+      if (c == '`') {
+        in_option = !in_option;
+        if (in_option) shown += "--";
+      } else {
+        shown += in_option && c == '_' ? '-' : c;
+      }
+    }
+    outcome.warnings.push_back(shown);
+  }
+}
+
 CLI::Validator parses(const std::string& form, std::function<void(const std::string&)> parse) {
   return {[parse = std::move(parse)](std::string& text) {
             try {

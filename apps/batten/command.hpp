@@ -37,6 +37,10 @@ struct Outcome {
   std::string refusal;  ///< the same where the input is to blame; the exit code is 3
 };
 
+/// Adds what a request of the library did beside its result: its stage times and its warnings, in which an
+/// option named in backquotes becomes its flag (`keep_edges` → --keep-edges).
+void add_run(const StageTimes& times, const std::vector<std::string>& warnings, Outcome& outcome);
+
 /// The surroundings of a command that runs.
 struct Context {
   Progress progress;  ///< draws a line on a terminal, silent elsewhere; Ctrl-C cancels

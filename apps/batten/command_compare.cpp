@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "batten/core/error.hpp"
@@ -11,9 +12,7 @@
 #include "batten/core/units.hpp"
 #include "batten/io/file.hpp"
 #include "batten/io/mesh_io.hpp"
-#include "batten/mesh/adjacency.hpp"
-#include "batten/mesh/compare.hpp"
-#include "batten/operators/mesh_variation.hpp"
+#include "batten/pipeline/shape_comparison.hpp"
 
 namespace batten::cli {
 
@@ -49,18 +48,14 @@ Json normals_json(const DistanceFigures& angles) {
       {"max_deg", degrees(angles.max)}, {"mean_deg", degrees(angles.mean)}, {"rms_deg", degrees(angles.rms)}};
 }
 
-/// What of (2.50), (2.51) and Table 2.3 of H can be measured; null where a mesh is no oriented manifold.
-Json variation_json(const TriangleMesh& original, const Points& positions, const TriangleMesh& mesh) {
-  for (const TriangleMesh* one : {&original, &mesh}) {
-    const MeshTopology topology = mesh_topology(one->triangles, one->n_vertices());
-    if (one->n_triangles() == 0 || !topology.is_manifold() || !topology.is_oriented()) return nullptr;
-  }
-  const MeshVariation v = mesh_variation(original.positions, original.triangles, positions, mesh.triangles);
+/// Null where one of the shapes is no oriented manifold.
+Json variation_json(const std::optional<MeshVariation>& variation) {
+  if (!variation) return nullptr;
   const auto known = [](double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); };
-  return {{"mean_curvature", known(v.mean_curvature)},
-          {"edge_variance", known(v.edge_variance)},
-          {"area_variance", known(v.area_variance)},
-          {"curvature_variance", known(v.curvature_variance)}};
+  return {{"mean_curvature", known(variation->mean_curvature)},
+          {"edge_variance", known(variation->edge_variance)},
+          {"area_variance", known(variation->area_variance)},
+          {"curvature_variance", known(variation->curvature_variance)}};
 }
 
 Json registration_json(const std::string& kind, const Registration& registration) {
@@ -100,23 +95,13 @@ Outcome run_compare(const CompareArguments& arguments, Context& context) {
   CompareOptions options;
   options.seed = arguments.seed;
   options.samples = arguments.samples;
-  if (arguments.registration == "rigid") options.registration = RegistrationKind::Rigid;
-  if (arguments.registration == "similarity") options.registration = RegistrationKind::Similarity;
-  Comparison found;
-  {
-    const ScopedStage stage(outcome.times, "compare");
-    found = compare(shape_of(a), shape_of(b), options, context.progress);
-  }
-  if (!found.registration.converged)
-    outcome.warnings.push_back(
-        "the registration stopped before it had converged; the distances may be too large");
+  options.registration = parse_choice<RegistrationKind>(arguments.registration);
+  const ShapeComparison compared = compared_shapes(shape_of(a), shape_of(b), options, context.progress);
+  add_run(compared.times, compared.warnings, outcome);
+  const Comparison& found = compared.distances;
   if (!arguments.distances.empty()) {
     const ScopedStage stage(outcome.times, "write");
-    TriangleMesh mesh = *a.mesh;
-    mesh.positions = found.registration.transform(mesh.positions);
-    if (mesh.normals.rows() > 0) mesh.normals = found.registration.transform.rotated(mesh.normals);
-    mesh.vertex_values["distance"] = found.a_to_b.vertex_distances;
-    write_mesh(arguments.distances, mesh);
+    write_mesh(arguments.distances, measured_mesh(*a.mesh, found));
   }
 
   Json& figures = outcome.figures;
@@ -128,15 +113,10 @@ Outcome run_compare(const CompareArguments& arguments, Context& context) {
   figures["b_to_a"] = directed_json(found.b_to_a, 1);
   figures["relative"] = {{"a_to_b", directed_json(found.a_to_b, found.diameter)},
                          {"b_to_a", directed_json(found.b_to_a, found.diameter)}};
-  figures["hausdorff"] = std::max({found.a_to_b.samples.max, found.a_to_b.vertices.max,
-                                   found.b_to_a.samples.max, found.b_to_a.vertices.max});
+  figures["hausdorff"] = compared.hausdorff;
   figures["normals"] = {{"a_to_b", normals_json(found.a_to_b.normal_angles)},
                         {"b_to_a", normals_json(found.b_to_a.normal_angles)}};
-  figures["variation"] = nullptr;
-  if (a.mesh && b.mesh) {
-    const ScopedStage stage(outcome.times, "variation");
-    figures["variation"] = variation_json(*b.mesh, found.registration.transform(a.mesh->positions), *a.mesh);
-  }
+  figures["variation"] = variation_json(compared.variation);
   figures["samples"] = options.samples;
 
   outcome.lines.push_back(
@@ -168,7 +148,7 @@ void add_compare(CLI::App& app) {
   command->add_option("A", arguments->a, "Mesh or network that is moved and measured")->required();
   command->add_option("B", arguments->b, "Mesh or network it is measured against")->required();
   command->add_option("--register", arguments->registration, "Move A onto B first: none, rigid, similarity")
-      ->check(CLI::IsMember({"none", "rigid", "similarity"}));
+      ->check(CLI::IsMember(choice_words<RegistrationKind>()));
   command
       ->add_option("--samples", arguments->samples, "Random points per direction, uniform by area or length")
       ->check(CLI::Range(1L, 100000000L));

@@ -1,20 +1,13 @@
 #include "command.hpp"
 #include "model_file.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <memory>
 #include <string>
-#include <vector>
 
-#include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
-#include "batten/core/units.hpp"
-#include "batten/deformation/multiresolution.hpp"
-#include "batten/io/file.hpp"
 #include "batten/io/handles_io.hpp"
 #include "batten/io/mesh_io.hpp"
-#include "batten/mesh/normals.hpp"
+#include "batten/pipeline/deformed_mesh.hpp"
 
 namespace batten::cli {
 
@@ -27,15 +20,13 @@ struct DeformArguments {
   bool multiresolution = false;
 };
 
-DeformOptions options_of(const DeformArguments& arguments) {
-  DeformOptions options;
-  if (arguments.energy == "stretch") options.energy = DeformationEnergy::Stretch;
-  if (arguments.energy == "bend") options.energy = DeformationEnergy::Bend;
-  if (arguments.energy == "combined") options.energy = DeformationEnergy::Combined;
-  if (arguments.nonlinear == "none") options.detail = DetailPreservation::None;
-  if (arguments.nonlinear == "shape-matching") options.detail = DetailPreservation::ShapeMatching;
-  options.soft_weight = arguments.soft;
-  options.max_iterations = arguments.iterations;
+DeformedMeshOptions options_of(const DeformArguments& arguments) {
+  DeformedMeshOptions options;
+  options.deform.energy = parse_choice<DeformationEnergy>(arguments.energy);
+  options.deform.detail = parse_choice<DetailPreservation>(arguments.nonlinear);
+  options.deform.soft_weight = arguments.soft;
+  options.deform.max_iterations = arguments.iterations;
+  options.multiresolution = arguments.multiresolution;
   return options;
 }
 
@@ -49,73 +40,25 @@ Outcome run_deform(const DeformArguments& arguments, Context& context) {
     mesh = read_mesh_to_process(arguments.in, outcome.warnings);
     handles = read_handles(arguments.handles, mesh.positions);
   }
-  const DeformOptions options = options_of(arguments);
-  std::unique_ptr<Deformer> deformer;
-  std::unique_ptr<MultiresolutionDeformer> in_two;
-  double curvature_term = 0;
-  {
-    const ScopedStage stage(outcome.times, "factorise");
-    if (arguments.multiresolution) {
-      MultiresolutionOptions two;
-      two.deform = options;
-      in_two = std::make_unique<MultiresolutionDeformer>(mesh.positions, mesh.triangles, handles.vertices(),
-                                                         two, context.progress);
-      curvature_term = in_two->curvature_term();
-    } else {
-      deformer = std::make_unique<Deformer>(mesh.positions, mesh.triangles, handles.vertices(), options);
-      curvature_term = deformer->curvature_term();
-    }
-  }
-  if (options.energy == DeformationEnergy::TotalCurvature && curvature_term < options.curvature_term)
-    outcome.warnings.push_back(
-        concat("the total curvature energy is indefinite on this shape: its curvature term was scaled by ",
-               curvature_term));
-  Deformer::Result result;
-  {
-    const ScopedStage stage(outcome.times, "deform");
-    // A turn is made in parts of 45 degrees at most: beyond that the linear start folds the surface.
-    const int parts =
-        options.detail == DetailPreservation::None
-            ? 1
-            : std::max(1, static_cast<int>(std::ceil(handles.largest_angle() / radians(45.0) - 1e-9)));
-    std::vector<Points> stages;
-    for (int part = 1; part < parts; ++part)
-      stages.push_back(handles.targets(mesh.positions, static_cast<double>(part) / parts));
-    const Points targets = handles.targets(mesh.positions);
-    if (in_two != nullptr) {
-      result = in_two->deform(targets, stages, context.progress);
-    } else {
-      stages.push_back(targets);
-      for (const Points& goal : stages) {
-        const Points start = result.positions;
-        result = deformer->deform(goal, start.rows() > 0 ? &start : nullptr, context.progress);
-      }
-    }
-  }
-  if (!result.report.converged)
-    outcome.warnings.push_back(concat("stopped after ", result.report.iterations,
-                                      " iterations while vertices still moved by ", result.report.last_move,
-                                      " of the diameter; raise --iterations"));
-  TriangleMesh deformed = mesh;
-  deformed.positions = result.positions;
-  if (mesh.normals.rows() > 0) deformed.normals = vertex_normals(deformed.positions, deformed.triangles);
+  const DeformedMesh result = deformed_mesh(mesh, handles, options_of(arguments), context.progress);
+  add_run(result.times, result.warnings, outcome);
   {
     const ScopedStage stage(outcome.times, "write");
-    write_mesh(arguments.out, deformed);
+    write_mesh(arguments.out, result.mesh);
   }
   Json& figures = outcome.figures;
   figures["vertices"] = mesh.n_vertices();
   figures["faces"] = mesh.n_triangles();
-  figures["fixed"] = handles.fixed.size();
-  figures["moved"] = handles.vertices().size() - handles.fixed.size();
+  figures["fixed"] = result.n_fixed;
+  figures["moved"] = result.n_moved;
   figures["iterations"] = result.report.iterations;
   figures["converged"] = result.report.converged;
   figures["last_move"] = result.report.last_move;
-  figures["curvature_term"] = curvature_term;
-  if (in_two != nullptr) figures["base_vertices"] = in_two->base().n_vertices();
-  outcome.lines.push_back(concat(arguments.out, ": ", mesh.n_vertices(), " vertices, ", handles.fixed.size(),
-                                 " fixed, ", handles.vertices().size() - handles.fixed.size(), " moved, ",
-                                 result.report.iterations, " iterations"));
+  figures["curvature_term"] = result.curvature_term;
+  if (result.base_vertices) figures["base_vertices"] = *result.base_vertices;
+  outcome.lines.push_back(concat(arguments.out, ": ", mesh.n_vertices(), " vertices, ", result.n_fixed,
+                                 " fixed, ", result.n_moved, " moved, ", result.report.iterations,
+                                 " iterations"));
   return outcome;
 }
 
@@ -133,9 +76,9 @@ void add_deform(CLI::App& app) {
   command->add_option("--handles", arguments->handles, "What is fixed and what moves (JSON, docs/deform.md)")
       ->required();
   command->add_option("--energy", arguments->energy, "stretch, bend, combined or total (curvature)")
-      ->check(CLI::IsMember({"stretch", "bend", "combined", "total"}));
+      ->check(CLI::IsMember(choice_words<DeformationEnergy>()));
   command->add_option("--nonlinear", arguments->nonlinear, "How detail turns with the surface")
-      ->check(CLI::IsMember({"none", "shape-matching", "gauss-newton"}));
+      ->check(CLI::IsMember(choice_words<DetailPreservation>()));
   command->add_option("--soft", arguments->soft, "Weight of soft handles; 0 meets them exactly")
       ->check(CLI::Range(0.0, 1e12));
   command->add_flag("--multiresolution", arguments->multiresolution,

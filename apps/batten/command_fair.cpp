@@ -1,18 +1,14 @@
 #include "command.hpp"
 #include "model_file.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <string>
 
 #include "batten/core/text.hpp"
 #include "batten/core/units.hpp"
-#include "batten/fairing/fair.hpp"
 #include "batten/io/mesh_io.hpp"
-#include "batten/mesh/adjacency.hpp"
-#include "batten/mesh/areas.hpp"
-#include "batten/mesh/normals.hpp"
+#include "batten/pipeline/faired_mesh.hpp"
 
 namespace batten::cli {
 
@@ -41,59 +37,39 @@ Outcome run_fair(const FairArguments& arguments, Context& context) {
     mesh_format(arguments.output);  // an extension that cannot be written is refused before the work
   }
   FairingOptions options;
-  options.method = parse_fairing_method(arguments.method);
+  options.method = parse_choice<FairingMethod>(arguments.method);
   options.noise = parse_noise(arguments.noise);
   options.iterations = arguments.iterations;
   options.keep_boundary = arguments.keep_boundary;
-  FairingResult result;
+  const FairedMesh faired = faired_mesh(mesh, options, context.progress);
+  add_run(faired.times, faired.warnings, outcome);
   {
-    const ScopedStage stage(outcome.times, "fair");
-    result = fair(mesh.positions, mesh.triangles, options, context.progress);
+    const ScopedStage stage(outcome.times, "write");
+    write_mesh(arguments.output, faired.mesh);
   }
-  const MeshTopology topology = mesh_topology(mesh.triangles, mesh.n_vertices());
+  const std::string strategy(faired.strategy ? word_of(*faired.strategy) : word_of(options.method));
   Json& figures = outcome.figures;
   figures["vertices"] = mesh.n_vertices();
   figures["faces"] = mesh.n_triangles();
-  figures["components"] = topology.n_components;
-  figures["boundary_loops"] = topology.n_boundary_loops;
+  figures["components"] = faired.topology.n_components;
+  figures["boundary_loops"] = faired.topology.n_boundary_loops;
   figures["method"] = arguments.method;
-  figures["strategy"] = result.strategy;
-  figures["noise"] = result.noise;
-  figures["iterations"] = result.iterations;
-  figures["time_step"] = result.time_step > 0 ? Json(result.time_step) : Json(nullptr);
-  figures["largest_move"] = result.largest_move;
-  figures["mean_normal_change_deg"] =
-      degrees(mean_normal_angle(mesh.positions, result.positions, mesh.triangles));
+  figures["strategy"] = strategy;
+  figures["noise"] = faired.noise;
+  figures["iterations"] = faired.iterations;
+  figures["time_step"] = faired.time_step > 0 ? Json(faired.time_step) : Json(nullptr);
+  figures["largest_move"] = faired.largest_move;
+  figures["mean_normal_change_deg"] = degrees(faired.mean_normal_change);
   figures["volume_change_percent"] = nullptr;
-  if (topology.is_watertight()) {
-    const double before = enclosed_volume(mesh.positions, mesh.triangles);
-    if (before != 0)
-      figures["volume_change_percent"] =
-          100 * (enclosed_volume(result.positions, mesh.triangles) / before - 1);
-  }
-  if (result.strategy == "none")
-    outcome.warnings.push_back(concat("the mesh looks clean (noise ", result.noise,
-                                      " of a mean edge) and was left as it is; --noise K overrules that"));
-  if (result.solves.unconverged > 0)
-    outcome.warnings.push_back(concat(
-        result.solves.unconverged, result.solves.unconverged == 1 ? " refit" : " refits",
-        " of the surface stopped before coming to rest (relative residual ", result.solves.residual,
-        "): the result may be rougher than it could be; --noise with a smaller number makes them easier"));
+  if (faired.volume_change) figures["volume_change_percent"] = 100 * *faired.volume_change;
 
-  mesh.positions = result.positions;
-  if (mesh.normals.rows() > 0) mesh.normals = vertex_normals(mesh.positions, mesh.triangles);
-  {
-    const ScopedStage stage(outcome.times, "write");
-    write_mesh(arguments.output, mesh);
-  }
   outcome.lines.push_back(concat("faired ", mesh.n_vertices(), " vertices, ", mesh.n_triangles(),
-                                 " triangles: method ", arguments.method, ", strategy ", result.strategy));
-  outcome.lines.push_back(concat("noise ", result.noise, " mean edge lengths; largest move ",
-                                 result.largest_move, "; normals turned by ",
-                                 figures["mean_normal_change_deg"].get<double>(), " degrees in the mean"));
-  if (!figures["volume_change_percent"].is_null())
-    outcome.lines.push_back(
-        concat("volume changed by ", figures["volume_change_percent"].get<double>(), " %"));
+                                 " triangles: method ", arguments.method, ", strategy ", strategy));
+  outcome.lines.push_back(concat("noise ", faired.noise, " mean edge lengths; largest move ",
+                                 faired.largest_move, "; normals turned by ",
+                                 degrees(faired.mean_normal_change), " degrees in the mean"));
+  if (faired.volume_change)
+    outcome.lines.push_back(concat("volume changed by ", 100 * *faired.volume_change, " %"));
   outcome.lines.push_back(concat("wrote ", arguments.output));
   return outcome;
 }
@@ -111,7 +87,7 @@ void add_fair(CLI::App& app) {
   command
       ->add_option("--method", arguments->method,
                    "How: auto chooses by itself; the others are the thesis's flows and well-known filters")
-      ->check(CLI::IsMember(fairing_method_names()));
+      ->check(CLI::IsMember(choice_words<FairingMethod>()));
   command
       ->add_option("--noise", arguments->noise,
                    "Standard deviation of the noise in mean edge lengths, or auto to estimate it")

@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "batten/core/text.hpp"
-#include "batten/mesh/compare.hpp"
+#include "batten/pipeline/shape_comparison.hpp"
 
 namespace batten::cli {
 
@@ -26,17 +26,13 @@ void compare_with_truth(const std::string& path, const Context& context, Outcome
     truth = read_model(path, outcome.warnings);
   }
   const ScopedStage stage(outcome.times, "compare");
-  CompareOptions options;
-  options.registration = RegistrationKind::Rigid;
-  const Comparison comparison =
-      compare(shape_of(*outcome.exhibit.mesh), shape_of(truth), options, context.progress);
-  const double percent = 100 / comparison.diameter;
-  outcome.exhibit.errors = percent * comparison.a_to_b.vertex_distances;
-  outcome.figures["error_percent"] = {{"max", percent * comparison.a_to_b.vertices.max},
-                                      {"mean", percent * comparison.a_to_b.vertices.mean},
-                                      {"rms", percent * comparison.a_to_b.vertices.rms}};
-  outcome.lines.push_back(concat("distance to ", path, ": mean ", percent * comparison.a_to_b.vertices.mean,
-                                 " %, max ", percent * comparison.a_to_b.vertices.max, " % of its diameter"));
+  const TruthErrors errors =
+      truth_errors(batten::shape_of(*outcome.exhibit.mesh), shape_of(truth), context.progress);
+  outcome.exhibit.errors = errors.vertices;
+  outcome.figures["error_percent"] = {
+      {"max", errors.figures.max}, {"mean", errors.figures.mean}, {"rms", errors.figures.rms}};
+  outcome.lines.push_back(concat("distance to ", path, ": mean ", errors.figures.mean, " %, max ",
+                                 errors.figures.max, " % of its diameter"));
 }
 
 Outcome reconstruct(const ReconstructArguments& arguments, Context& context) {

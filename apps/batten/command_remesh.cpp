@@ -9,9 +9,7 @@
 #include "batten/core/units.hpp"
 #include "batten/io/file.hpp"
 #include "batten/io/mesh_io.hpp"
-#include "batten/mesh/quality.hpp"
-#include "batten/remeshing/measures.hpp"
-#include "batten/remeshing/remesh.hpp"
+#include "batten/pipeline/remeshed_mesh.hpp"
 
 namespace batten::cli {
 
@@ -31,45 +29,29 @@ Outcome run_remesh(const RemeshArguments& arguments, Context& context) {
     const ScopedStage stage(outcome.times, "read");
     mesh = read_mesh_to_process(arguments.in, outcome.warnings);
   }
-  RemeshOptions options;
-  options.method = arguments.method == "lf" ? RemeshMethod::LaplacianFlow : RemeshMethod::Adaptive;
-  options.adaptivity = arguments.adaptivity;
-  options.n_vertices = arguments.vertices;
-  options.max_iterations = arguments.iterations;
-  options.keep_edges = parse_angle(arguments.keep_edges);
-  if (!arguments.edge.empty())
-    options.edge_length = parse_length(arguments.edge).in_file_units(bounding_box_diagonal(mesh.positions));
+  RemeshedMeshOptions options;
+  RemeshOptions& chosen = options.remesh;
+  chosen.method = parse_choice<RemeshMethod>(arguments.method);
+  chosen.adaptivity = arguments.adaptivity;
+  chosen.n_vertices = arguments.vertices;
+  chosen.max_iterations = arguments.iterations;
+  chosen.keep_edges = parse_angle(arguments.keep_edges);
+  if (!arguments.edge.empty()) options.edge_length = parse_length(arguments.edge);
   if (!arguments.sizes.empty()) {
     const auto found = mesh.vertex_values.find(arguments.sizes);
     if (found == mesh.vertex_values.end())
       throw InvalidInput(concat(arguments.in, " has no value '", arguments.sizes,
                                 "' per vertex; --sizes names a property of a PLY file"));
-    options.sizes = found->second;
+    chosen.sizes = found->second;
   }
-  RemeshResult result = remesh(mesh, options, context.progress);
-  outcome.times.add(result.times);
-  if (result.report.split_vertices > 0)
-    outcome.warnings.push_back(
-        concat("parts of the surface that only touch in a vertex were taken apart; vertices added: ",
-               result.report.split_vertices));
-  if (result.report.solves.unconverged > 0)
-    outcome.warnings.push_back(
-        concat("solves that stopped before they converged: ", result.report.solves.unconverged,
-               " (relative residual ", result.report.solves.residual,
-               "); areas or distances may be less even than they could be, which another number of "
-               "--iterations may mend"));
-  if (!mesh.vertex_values.empty() && arguments.sizes.empty())
-    outcome.warnings.push_back("values per vertex of the input are not carried over to the new vertices");
+  const RemeshedMesh result = remeshed_mesh(mesh, options, context.progress);
+  add_run(result.times, result.warnings, outcome);
   {
     const ScopedStage stage(outcome.times, "write");
     write_mesh(arguments.out, result.mesh);
   }
-  RemeshMeasures measures;
-  {
-    const ScopedStage stage(outcome.times, "measure");
-    measures = remesh_measures(mesh, result.mesh, options.keep_edges, context.progress);
-  }
-  const MeshQuality quality = mesh_quality(result.mesh.positions, result.mesh.triangles);
+  const RemeshMeasures& measures = result.measures;
+  const MeshQuality& quality = result.quality;
   Json& figures = outcome.figures;
   figures["vertices"] = result.mesh.n_vertices();
   figures["faces"] = result.mesh.n_triangles();
@@ -127,7 +109,7 @@ void add_remesh(CLI::App& app) {
           throw InvalidInput("--keep-edges must lie above 0 and at most at 180deg: " + text);
       }));
   command->add_option("--method", arguments->method, "ar: adaptive remeshing; lf: Laplacian flow")
-      ->check(CLI::IsMember({"ar", "lf"}));
+      ->check(CLI::IsMember(choice_words<RemeshMethod>()));
   command->add_option("--sizes", arguments->sizes,
                       "Value per vertex of a PLY file that holds the wanted edge lengths");
   command->add_option("--iterations", arguments->iterations, "Most rounds")->check(CLI::Range(1, 1000));

@@ -73,8 +73,7 @@ Outcome run_render(const RenderArguments& arguments, Context& context) {
   if (!arguments.against.empty()) {
     const ScopedStage stage(outcome.times, "compare");
     CompareOptions compare_options;
-    if (arguments.registration == "rigid") compare_options.registration = RegistrationKind::Rigid;
-    if (arguments.registration == "similarity") compare_options.registration = RegistrationKind::Similarity;
+    compare_options.registration = parse_choice<RegistrationKind>(arguments.registration);
     const Comparison comparison =
         compare(shape_of(model), shape_of(truth), compare_options, context.progress);
     subject.errors = comparison.a_to_b.vertex_distances;

@@ -6,16 +6,14 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
 #include "batten/core/units.hpp"
 #include "batten/io/file.hpp"
 #include "batten/io/mesh_io.hpp"
-#include "batten/mesh/compare.hpp"
-#include "batten/mesh/quality.hpp"
-#include "batten/mesh/self_intersections.hpp"
-#include "batten/simplification/simplify.hpp"
+#include "batten/pipeline/simplified_mesh.hpp"
 
 namespace batten::cli {
 
@@ -58,12 +56,6 @@ double parse_keep_edges(const std::string& text) {
   return angle;
 }
 
-FlowWeight weight_of(const std::string& name) {
-  return name == "w1"   ? FlowWeight::Uniform
-         : name == "w2" ? FlowWeight::InverseLength
-                        : FlowWeight::Curvature;
-}
-
 Json side_figures(const DirectedComparison& side, double diameter) {
   Json figures = Json::object();
   figures["dmax"] = std::max(side.samples.max, side.vertices.max) / diameter;
@@ -72,34 +64,41 @@ Json side_figures(const DirectedComparison& side, double diameter) {
   return figures;
 }
 
-/// Level 0 is the input. Every mesh holds, per vertex, the vertex of the next coarser level that stands for
-/// it ("coarser_vertex"; −1 where no face used it).
-void write_levels(const std::string& folder, TriangleMesh finer, const std::vector<SimplifyLevel>& levels,
-                  Outcome& outcome) {
+/// Level 0 is the input.
+void write_levels(const std::string& folder, const std::vector<TriangleMesh>& levels, Outcome& outcome) {
   std::error_code problem;
   std::filesystem::create_directories(folder, problem);
   if (problem) throw FileError(folder, 0, concat("the folder cannot be made: ", problem.message()));
   Json written = Json::array();
-  const auto write = [&](std::size_t number, const TriangleMesh& mesh) {
-    const std::string path = concat(folder, "/level_", number, ".ply");
-    write_mesh(path, mesh);
+  for (std::size_t level = 0; level < levels.size(); ++level) {
+    const std::string path = concat(folder, "/level_", level, ".ply");
+    write_mesh(path, levels[level]);
     Json entry = Json::object();
     entry["file"] = path;
-    entry["vertices"] = mesh.n_vertices();
-    entry["faces"] = mesh.n_triangles();
+    entry["vertices"] = levels[level].n_vertices();
+    entry["faces"] = levels[level].n_triangles();
     written.push_back(entry);
-  };
-  for (std::size_t level = 0; level <= levels.size(); ++level) {
-    if (level < levels.size()) {
-      const std::vector<int>& map = levels[level].vertex_of_finer;
-      Eigen::VectorXd values(static_cast<Eigen::Index>(map.size()));
-      for (std::size_t v = 0; v < map.size(); ++v) values[static_cast<Eigen::Index>(v)] = map[v];
-      finer.vertex_values["coarser_vertex"] = values;
-    }
-    write(level, finer);
-    if (level < levels.size()) finer = levels[level].mesh;
   }
   outcome.figures["levels"] = written;
+}
+
+SimplifiedMeshOptions options_of(const SimplifyArguments& arguments) {
+  SimplifiedMeshOptions options;
+  SimplifyOptions& chosen = options.simplify;
+  chosen.faces = arguments.faces;
+  if (!arguments.remove.empty()) chosen.remove = parse_removed_fraction(arguments.remove);
+  if (!arguments.error.empty()) options.max_error = parse_error_length(arguments.error);
+  chosen.method = parse_choice<SimplifyMethod>(arguments.method);
+  chosen.levels = arguments.levels;
+  chosen.keep_levels = !arguments.levels_folder.empty();
+  chosen.keep_edges = parse_keep_edges(arguments.keep_edges);
+  chosen.alpha = arguments.alpha;
+  chosen.beta = arguments.beta;
+  chosen.flow.p = arguments.p;
+  chosen.flow.sigma = arguments.sigma;
+  chosen.flow.weight = parse_choice<FlowWeight>(arguments.weight);
+  chosen.flow.fidelity = parse_fidelity(arguments.fidelity);
+  return options;
 }
 
 Outcome run_simplify(const SimplifyArguments& arguments, Context& context) {
@@ -114,65 +113,41 @@ Outcome run_simplify(const SimplifyArguments& arguments, Context& context) {
     const ScopedStage stage(outcome.times, "read");
     mesh = read_mesh_to_process(arguments.input, outcome.warnings);
   }
-  const double diameter = bounding_box_diagonal(mesh.positions);
-  SimplifyOptions options;
-  options.faces = arguments.faces;
-  if (!arguments.remove.empty()) options.remove = parse_removed_fraction(arguments.remove);
-  if (!arguments.error.empty())
-    options.max_error = parse_error_length(arguments.error).in_file_units(diameter);
-  options.method = arguments.method == "plaplacian" ? SimplifyMethod::PLaplacian : SimplifyMethod::Quadric;
-  options.levels = arguments.levels;
-  options.keep_levels = !arguments.levels_folder.empty();
-  options.keep_edges = parse_keep_edges(arguments.keep_edges);
-  options.alpha = arguments.alpha;
-  options.beta = arguments.beta;
-  options.flow.p = arguments.p;
-  options.flow.sigma = arguments.sigma;
-  options.flow.weight = weight_of(arguments.weight);
-  options.flow.fidelity = parse_fidelity(arguments.fidelity);
-
-  const SimplifyResult result = simplify(mesh, options, context.progress);
-  outcome.times.add(result.times);
-  outcome.warnings.insert(outcome.warnings.end(), result.warnings.begin(), result.warnings.end());
-  if (mesh.normals.rows() > 0 || !mesh.vertex_values.empty())
-    outcome.warnings.emplace_back("normals and values per vertex of the input were dropped");
+  const SimplifiedMeshOptions options = options_of(arguments);
+  const SimplifiedMesh result = simplified_mesh(mesh, options, context.progress);
+  add_run(result.times, result.warnings, outcome);
+  const TriangleMesh& small = result.simplified.mesh;
   {
     const ScopedStage stage(outcome.times, "write");
-    write_mesh(arguments.output, result.mesh);
-    if (options.keep_levels) {
-      mesh.normals.resize(0, 3);
-      mesh.vertex_values.clear();
-      write_levels(arguments.levels_folder, mesh, result.levels, outcome);
-    }
+    write_mesh(arguments.output, small);
+    if (options.simplify.keep_levels)
+      write_levels(arguments.levels_folder, level_meshes(mesh, result.simplified.levels), outcome);
   }
-  const ScopedStage stage(outcome.times, "check");
-  const Comparison comparison =
-      compare({mesh.positions, mesh.triangles, {}}, {result.mesh.positions, result.mesh.triangles, {}}, {},
-              context.progress);
-  const MeshQuality quality = mesh_quality(result.mesh.positions, result.mesh.triangles);
-  const std::size_t before = self_intersections(mesh.positions, mesh.triangles).size();
-  const std::size_t after = self_intersections(result.mesh.positions, result.mesh.triangles).size();
-  outcome.figures["vertices"] = result.mesh.n_vertices();
-  outcome.figures["faces"] = result.mesh.n_triangles();
-  outcome.figures["input_vertices"] = mesh.n_vertices();
-  outcome.figures["input_faces"] = mesh.n_triangles();
-  outcome.figures["removed"] = 1 - double(result.mesh.n_triangles()) / double(mesh.n_triangles());
-  outcome.figures["collapses"] = result.collapses;
-  outcome.figures["diameter"] = diameter;
-  outcome.figures["input_to_result"] = side_figures(comparison.a_to_b, diameter);
-  outcome.figures["result_to_input"] = side_figures(comparison.b_to_a, diameter);
-  outcome.figures["min_angle_deg"] = degrees(quality.min_angle);
-  outcome.figures["mean_min_angle_deg"] = degrees(quality.mean_min_angle);
-  outcome.figures["input_self_intersections"] = before;
-  outcome.figures["self_intersections"] = after;
-  outcome.lines.push_back(concat(arguments.output, ": ", result.mesh.n_vertices(), " vertices, ",
-                                 result.mesh.n_triangles(), " faces (of ", mesh.n_triangles(), ")"));
+  const double diameter = result.diameter;
+  const Comparison& distances = result.distances;
+  Json& figures = outcome.figures;
+  figures["vertices"] = small.n_vertices();
+  figures["faces"] = small.n_triangles();
+  figures["input_vertices"] = mesh.n_vertices();
+  figures["input_faces"] = mesh.n_triangles();
+  figures["removed"] = result.removed;
+  figures["collapses"] = result.simplified.collapses;
+  figures["diameter"] = diameter;
+  figures["input_to_result"] = side_figures(distances.a_to_b, diameter);
+  figures["result_to_input"] = side_figures(distances.b_to_a, diameter);
+  figures["min_angle_deg"] = degrees(result.quality.min_angle);
+  figures["mean_min_angle_deg"] = degrees(result.quality.mean_min_angle);
+  figures["input_self_intersections"] = result.input_crossings;
+  figures["self_intersections"] = result.crossings;
+  outcome.lines.push_back(concat(arguments.output, ": ", small.n_vertices(), " vertices, ",
+                                 small.n_triangles(), " faces (of ", mesh.n_triangles(), ")"));
   outcome.lines.push_back(
       concat("distance over the diameter: largest ",
-             std::max(comparison.a_to_b.samples.max, comparison.b_to_a.samples.max) / diameter,
-             ", root mean square ", comparison.a_to_b.samples.rms / diameter));
-  outcome.lines.push_back(concat("mean smallest angle ", degrees(quality.mean_min_angle), " degrees, ", after,
-                                 " self-intersections (input ", before, ")"));
+             std::max(distances.a_to_b.samples.max, distances.b_to_a.samples.max) / diameter,
+             ", root mean square ", distances.a_to_b.samples.rms / diameter));
+  outcome.lines.push_back(concat("mean smallest angle ", degrees(result.quality.mean_min_angle), " degrees, ",
+                                 result.crossings, " self-intersections (input ", result.input_crossings,
+                                 ")"));
   return outcome;
 }
 
@@ -198,7 +173,7 @@ void add_simplify(CLI::App& app) {
   command->add_option("--levels", arguments->levels, "Levels of plaplacian and of --keep-all-levels")
       ->check(CLI::Range(1, 100));
   command->add_option("--method", arguments->method, "Which edges go: quadric or plaplacian (H 2.4)")
-      ->check(CLI::IsMember({"quadric", "plaplacian"}));
+      ->check(CLI::IsMember(choice_words<SimplifyMethod>()));
   command
       ->add_option("--keep-edges", arguments->keep_edges,
                    "Edges sharper than this angle stay edges (30deg), or off: as the error asks for it")
@@ -210,7 +185,7 @@ void add_simplify(CLI::App& app) {
   command->add_option("--beta", arguments->beta, "plaplacian: exponent of the length in (2.100)")
       ->check(CLI::NonNegativeNumber);
   command->add_option("--weight", arguments->weight, "plaplacian: w1 even, w2 by length, w3 by curvature")
-      ->check(CLI::IsMember({"w1", "w2", "w3"}));
+      ->check(CLI::IsMember(choice_words<FlowWeight>()));
   command->add_option("--sigma", arguments->sigma, "plaplacian: width of w3; smaller keeps sharper features")
       ->check(CLI::PositiveNumber);
   command->add_option("--fidelity", arguments->fidelity, "plaplacian: adaptive, or one number for all")

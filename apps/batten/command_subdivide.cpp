@@ -1,8 +1,9 @@
 #include "command.hpp"
 
-#include <algorithm>
 #include <memory>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "batten/core/error.hpp"
@@ -11,10 +12,7 @@
 #include "batten/io/cage_io.hpp"
 #include "batten/io/file.hpp"
 #include "batten/io/mesh_io.hpp"
-#include "batten/mesh/adjacency.hpp"
-#include "batten/subdivision/bspline_surface.hpp"
-#include "batten/subdivision/step.hpp"
-#include "batten/subdivision/subdivide.hpp"
+#include "batten/pipeline/subdivided_cage.hpp"
 
 namespace batten::cli {
 
@@ -32,16 +30,10 @@ struct SubdivideArguments {
 std::vector<SubdivisionScheme> parse_schemes(const std::string& text) {
   std::vector<SubdivisionScheme> schemes;
   for (const std::string_view name : split_fields(text, ',')) {
-    if (name == "catmull-clark")
-      schemes.push_back(SubdivisionScheme::CatmullClark);
-    else if (name == "nuliss")
-      schemes.push_back(SubdivisionScheme::Nuliss);
-    else if (name == "nulissmod")
-      schemes.push_back(SubdivisionScheme::NulissMod);
-    else if (name == "linear")
-      schemes.push_back(SubdivisionScheme::Linear);
-    else
+    const auto scheme = choices_of(SubdivisionScheme{}).find(name);
+    if (!scheme)
       throw InvalidInput(concat("'", name, "' is no scheme; use catmull-clark, nuliss, nulissmod or linear"));
+    schemes.push_back(*scheme);
   }
   return schemes;
 }
@@ -52,16 +44,6 @@ double parse_unit(const std::string& text) {
   if (one.kind != Length::Kind::Metres)
     throw InvalidInput(concat("'", text, "' is no unit of length; use m, cm, mm, um, km, in or ft"));
   return 1000 * one.value;
-}
-
-/// Quads cut along the diagonal from their first corner, other polygons by ears.
-TriangleMesh as_triangles(const PolygonMesh& mesh) {
-  for (size_t f = 0; f + 1 < mesh.offsets.size(); ++f)
-    if (mesh.offsets[f + 1] - mesh.offsets[f] != 4) return triangulated(mesh);
-  TriangleMesh triangles;
-  triangles.positions = mesh.positions;
-  triangles.triangles = cut_at_first_corners(mesh);
-  return triangles;
 }
 
 void check_arguments(const SubdivideArguments& arguments) {
@@ -80,74 +62,73 @@ void check_arguments(const SubdivideArguments& arguments) {
   }
 }
 
-void write_surface(const SubdivideArguments& arguments, SubdividedSurface& surface, Outcome& outcome) {
-  const bool is_smooth = surface.cage.sharp_edges.empty() && surface.cage.sharp_vertices.empty();
-  Points normals(0, 3);
-  if (arguments.limit) {
-    surface.cage.mesh.positions = surface.limit_positions;
-    if (is_smooth) normals = surface.limit_normals;
+SubdividedCageOptions options_of(const SubdivideArguments& arguments) {
+  SubdividedCageOptions options;
+  options.first_schemes = parse_schemes(arguments.scheme);
+  options.subdivision.scheme = options.first_schemes.back();
+  options.first_schemes.pop_back();
+  options.subdivision.levels = arguments.levels;
+  options.subdivision.limit = arguments.limit;
+  options.subdivision.smooth_corners = arguments.corners == "smooth";
+  options.subdivision.knot_exponent = arguments.knots;
+  options.refine = !arguments.output.empty();
+  if (!arguments.step.empty()) {
+    options.patches.emplace();
+    options.patches->tolerance = parse_fraction(arguments.step_tolerance);
+    options.patches->step.millimetres_per_unit = parse_unit(arguments.unit);
   }
-  outcome.figures["vertices"] = surface.cage.mesh.positions.rows();
-  outcome.figures["faces"] = surface.cage.mesh.n_faces();
-  outcome.exhibit.mesh = as_triangles(surface.cage.mesh);
-  if (arguments.output.empty()) return;
-  const ScopedStage stage(outcome.times, "write");
-  if (mesh_format(arguments.output) == MeshFormat::Stl) {
-    outcome.warnings.emplace_back("STL holds triangles only: every quad was split into two");
-    write_mesh(arguments.output, *outcome.exhibit.mesh);
-  } else {
-    write_cage(arguments.output, surface.cage, normals);
-  }
-  outcome.lines.push_back(concat(arguments.output, ": ", surface.cage.mesh.positions.rows(), " vertices, ",
-                                 surface.cage.mesh.n_faces(), " faces"));
+  return options;
 }
 
-void write_step(const SubdivideArguments& arguments, const ControlCage& cage, const Context& context,
-                Outcome& outcome) {
-  BsplineOptions options;
-  options.tolerance = parse_fraction(arguments.step_tolerance);
-  options.smooth_corners = arguments.corners == "smooth";
-  BsplineSurface surface;
+void report_cage(const SubdividedCage& result, Json& figures) {
+  figures["cage_vertices"] = result.n_vertices;
+  figures["cage_faces"] = result.n_faces;
+  figures["sharp_edges"] = result.n_sharp_edges;
+  figures["sharp_vertices"] = result.n_sharp_vertices;
+  figures["polylines"] = result.n_polylines;
+  figures["components"] = result.topology.n_components;
+  figures["boundary_loops"] = result.topology.n_boundary_loops;
+  if (const auto genus = result.topology.genus()) figures["genus"] = *genus;
+}
+
+void write_refined(const SubdivideArguments& arguments, RefinedCage refined, Outcome& outcome) {
+  const PolygonMesh& mesh = refined.cage.mesh;
+  outcome.figures["vertices"] = mesh.positions.rows();
+  outcome.figures["faces"] = mesh.n_faces();
   {
-    const ScopedStage stage(outcome.times, "patches");
-    surface = limit_bsplines(cage, options, context.progress);
+    const ScopedStage stage(outcome.times, "write");
+    if (mesh_format(arguments.output) == MeshFormat::Stl)
+      write_mesh(arguments.output, refined.triangles);
+    else
+      write_cage(arguments.output, refined.cage, refined.normals);
   }
-  const double millimetres = parse_unit(arguments.unit),
-               diameter = bounding_box_diagonal(cage.mesh.positions);
+  outcome.lines.push_back(
+      concat(arguments.output, ": ", mesh.positions.rows(), " vertices, ", mesh.n_faces(), " faces"));
+  outcome.exhibit.mesh = std::move(refined.triangles);
+}
+
+void write_step(const SubdivideArguments& arguments, const CagePatches& patches, Outcome& outcome) {
   {
     const ScopedStage stage(outcome.times, "step");
-    StepOptions step;
-    step.millimetres_per_unit = millimetres;
-    write_file(arguments.step, format_step(surface, step));
+    write_file(arguments.step, patches.step);
   }
-  const auto n_exact = std::count_if(surface.patches.begin(), surface.patches.end(),
-                                     [](const BsplinePatch& patch) { return patch.is_exact; });
-  const auto n_sharp = std::count_if(surface.edges.begin(), surface.edges.end(),
-                                     [](const BsplineEdge& edge) { return edge.is_sharp; });
+  const BsplineSurface& surface = patches.surface;
   Json figures = Json::object();
   figures["patches"] = surface.patches.size();
-  figures["exact_patches"] = n_exact;
+  figures["exact_patches"] = patches.n_exact;
   figures["edges"] = surface.edges.size();
-  figures["sharp_edges"] = n_sharp;
+  figures["sharp_edges"] = patches.n_sharp;
   figures["closed"] = surface.is_closed;
   figures["solids"] = surface.is_closed ? surface.n_components : 0;
   figures["levels"] = surface.levels;
   figures["isolation"] = surface.isolation;
-  figures["deviation_mm"] = surface.deviation * millimetres;
-  figures["relative_deviation"] = diameter > 0 ? surface.deviation / diameter : 0;
+  figures["deviation_mm"] = patches.deviation;
+  figures["relative_deviation"] = patches.diameter > 0 ? surface.deviation / patches.diameter : 0;
   figures["normal_jump_deg"] = degrees(surface.normal_jump);
   outcome.figures["step"] = figures;
-  outcome.lines.push_back(concat(arguments.step, ": ", surface.patches.size(), " B-spline patches, ", n_exact,
-                                 " of them exact, the others within ", surface.deviation * millimetres,
+  outcome.lines.push_back(concat(arguments.step, ": ", surface.patches.size(), " B-spline patches, ",
+                                 patches.n_exact, " of them exact, the others within ", patches.deviation,
                                  " mm of the limit surface"));
-  if (surface.deviation > options.tolerance * diameter)
-    outcome.warnings.push_back(concat("near extraordinary vertices the patches are ",
-                                      surface.deviation * millimetres,
-                                      " mm off, more than --step-tolerance; subdivide the cage once first"));
-  if (surface.levels > 0)
-    outcome.warnings.push_back(
-        concat("faces that are no quads and semi-sharp features were resolved: patches lie ", surface.levels,
-               " levels below the faces of the cage"));
 }
 
 Outcome run_subdivide(const SubdivideArguments& arguments, const Context& context) {
@@ -158,46 +139,13 @@ Outcome run_subdivide(const SubdivideArguments& arguments, const Context& contex
     const ScopedStage stage(outcome.times, "read");
     cage = read_cage(arguments.cage, &outcome.warnings);
   }
-  const std::vector<SubdivisionScheme> schemes = parse_schemes(arguments.scheme);
-  SubdivisionOptions options;
-  options.smooth_corners = arguments.corners == "smooth";
-  options.knot_exponent = arguments.knots;
-  const MeshTopology topology = [&] {
-    const ScopedStage stage(outcome.times, "check");
-    subdivide(cage, {.scheme = SubdivisionScheme::Linear, .levels = 0});  // names what is wrong with the cage
-    return mesh_topology(as_triangles(cage.mesh).triangles, cage.mesh.positions.rows());
-  }();
-  outcome.figures["cage_vertices"] = cage.mesh.positions.rows();
-  outcome.figures["cage_faces"] = cage.mesh.n_faces();
-  outcome.figures["sharp_edges"] = cage.sharp_edges.size();
-  outcome.figures["sharp_vertices"] = cage.sharp_vertices.size();
-  outcome.figures["polylines"] = cage.polylines.size();
-  outcome.figures["components"] = topology.n_components;
-  outcome.figures["boundary_loops"] = topology.n_boundary_loops;
-  if (const auto genus = topology.genus()) outcome.figures["genus"] = *genus;
-
-  int levels = arguments.levels;
-  {
-    // Each scheme of a list but the last makes one level.
-    const ScopedStage stage(outcome.times, "subdivide");
-    for (size_t k = 0; k + 1 < schemes.size() && levels > 0; ++k, --levels) {
-      options.scheme = schemes[k];
-      options.levels = 1;
-      cage = subdivide(cage, options, context.progress).cage;
-    }
-  }
-  if (!arguments.output.empty() || arguments.step.empty()) {
-    options.scheme = schemes.back();
-    options.levels = levels;
-    options.limit = arguments.limit;
-    SubdividedSurface surface;
-    {
-      const ScopedStage stage(outcome.times, "subdivide");
-      surface = subdivide(cage, options, context.progress);
-    }
-    write_surface(arguments, surface, outcome);
-  }
-  if (!arguments.step.empty()) write_step(arguments, cage, context, outcome);
+  if (!arguments.output.empty() && mesh_format(arguments.output) == MeshFormat::Stl)
+    outcome.warnings.emplace_back("STL holds triangles only: every quad was split into two");
+  SubdividedCage result = subdivided_cage(cage, options_of(arguments), context.progress);
+  add_run(result.times, result.warnings, outcome);
+  report_cage(result, outcome.figures);
+  if (result.refined) write_refined(arguments, std::move(*result.refined), outcome);
+  if (result.patches) write_step(arguments, *result.patches, outcome);
   return outcome;
 }
 

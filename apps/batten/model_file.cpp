@@ -8,14 +8,12 @@
 #include "batten/io/file.hpp"
 #include "batten/io/mesh_io.hpp"
 #include "batten/io/network_io.hpp"
-#include "batten/mesh/areas.hpp"
+#include "batten/pipeline/mesh_input.hpp"
+#include "batten/pipeline/shape_comparison.hpp"
 
 namespace batten::cli {
 
 namespace {
-
-// Sixth powers of lengths occur (squared volumes): they must stay numbers.
-constexpr double kSmallestSize = 1e-45, kLargestSize = 1e45;
 
 /// True when a line of the text starts with an `f` and a blank: an OBJ with faces.
 bool has_faces(std::string_view text) {
@@ -56,35 +54,12 @@ Model read_model(const std::string& path, std::vector<std::string>& warnings) {
 
 TriangleMesh read_mesh_to_process(const std::string& path, std::vector<std::string>& warnings) {
   TriangleMesh mesh = read_mesh(path, &warnings);
-  if (mesh.n_triangles() == 0)
-    throw InvalidInput(concat(path, ": there are no faces, so nothing to process"));
-  const double size = (mesh.positions.colwise().maxCoeff() - mesh.positions.colwise().minCoeff()).maxCoeff();
-  if (size > 0 && !(size > kSmallestSize && size < kLargestSize))
-    throw InvalidInput(concat(path, ": the mesh is ", size,
-                              " large, where squares and volumes are out of the range of numbers; "
-                              "give it in another unit"));
-  if (!(face_areas(mesh.positions, mesh.triangles).maxCoeff() > 0))
-    throw InvalidInput(concat(path, ": no face has an area; check the positions"));
+  if (const auto problem = mesh_problem(mesh)) throw InvalidInput(concat(path, ": ", *problem));
   return mesh;
 }
 
-Shape shape_of(const TriangleMesh& mesh) {
-  return {mesh.positions, mesh.triangles, Segments(0, 2)};
-}
-
-Shape shape_of(const CurveNetwork& network) {
-  Eigen::Index n = 0;
-  for (const NetworkCurve& curve : network.curves) n += static_cast<Eigen::Index>(curve.vertices.size()) - 1;
-  Shape shape{network.positions, Triangles(0, 3), Segments(n, 2)};
-  Eigen::Index s = 0;
-  for (const NetworkCurve& curve : network.curves)
-    for (std::size_t i = 0; i + 1 < curve.vertices.size(); ++i)
-      shape.segments.row(s++) << curve.vertices[i], curve.vertices[i + 1];
-  return shape;
-}
-
 Shape shape_of(const Model& model) {
-  return model.mesh ? shape_of(*model.mesh) : shape_of(*model.network);
+  return model.mesh ? batten::shape_of(*model.mesh) : batten::shape_of(*model.network);
 }
 
 Json describe(const Model& model) {

@@ -24,13 +24,11 @@ struct Model {
 /// @throws FileError as the readers; for a scan, with the advice to make a network of it first.
 Model read_model(const std::string& path, std::vector<std::string>& warnings);
 
-/// Reads a mesh to be processed: one with faces, and of a size that squares and volumes can be computed of.
-/// @throws FileError as the readers; InvalidInput where there is nothing to process, with the cause.
+/// Reads a mesh to be processed. @throws FileError as the readers; InvalidInput with what mesh_problem()
+/// says.
 TriangleMesh read_mesh_to_process(const std::string& path, std::vector<std::string>& warnings);
 
 /// The triangles of a mesh, or the segments of a network.
-Shape shape_of(const TriangleMesh& mesh);
-Shape shape_of(const CurveNetwork& network);
 Shape shape_of(const Model& model);
 
 /// File, kind and counts, for the JSON object.

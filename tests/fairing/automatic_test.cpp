@@ -33,7 +33,7 @@ TEST(FairAutomatically, BringsBackCubesAndSpheres) {
   Points faired = fair_automatically(noisy, mesh.triangles, {}, &report);
   EXPECT_GT(normal_error_deg(noisy, mesh.positions, mesh.triangles), 15);
   EXPECT_LT(normal_error_deg(faired, mesh.positions, mesh.triangles), 1.5);
-  EXPECT_EQ(report.strategy, "sharp");
+  EXPECT_EQ(report.strategy, FairingStrategy::Sharp);
   EXPECT_NEAR(report.noise, 0.2, 0.02);
 
   mesh = closed_sphere(24);
@@ -53,7 +53,7 @@ TEST(FairAutomatically, LeavesCleanMeshesAlone) {
   for (const Mesh& mesh : {cube(16), closed_sphere(16)}) {
     AutomaticFairingReport report;
     EXPECT_EQ(fair_automatically(mesh.positions, mesh.triangles, {}, &report), mesh.positions);
-    EXPECT_TRUE(report.strategy.empty());
+    EXPECT_EQ(report.strategy, FairingStrategy::None);
   }
 }
 
@@ -204,7 +204,7 @@ TEST(FairAutomatically, KnowsAnOrganicShapeOfIrregularTrianglesUnderStrongNoise)
   const Points noisy = add_gaussian_noise(mesh.positions, mesh.triangles, 0.3, 103);
   AutomaticFairingReport report;
   const Points faired = fair_automatically(noisy, mesh.triangles, {}, &report);
-  EXPECT_EQ(report.strategy, "organic");
+  EXPECT_EQ(report.strategy, FairingStrategy::Organic);
   EXPECT_LT(normal_error_deg(faired, mesh.positions, mesh.triangles), 7.08);  // the best tuned peer
 }
 

@@ -14,14 +14,26 @@ namespace {
 
 using fixtures::Mesh;
 
-TEST(FairingMethodNames, GoBothWays) {
-  const std::vector<std::string>& names = fairing_method_names();
-  EXPECT_EQ(names.front(), "auto");
-  EXPECT_EQ(names.size(), static_cast<std::size_t>(FairingMethod::Nonlocal) + 1);
-  for (std::size_t i = 0; i < names.size(); ++i)
-    EXPECT_EQ(static_cast<std::size_t>(parse_fairing_method(names[i])), i);
-  EXPECT_EQ(parse_fairing_method("guided-normal"), FairingMethod::GuidedNormal);
-  EXPECT_THROW(parse_fairing_method("magic"), InvalidInput);
+TEST(FairingMethod, EveryOneHasAWord) {
+  const std::vector<std::string> words = choice_words<FairingMethod>();
+  EXPECT_EQ(words.front(), "auto");
+  EXPECT_EQ(words.size(), static_cast<std::size_t>(FairingMethod::Nonlocal) + 1);
+  EXPECT_EQ(parse_choice<FairingMethod>("guided-normal"), FairingMethod::GuidedNormal);
+  EXPECT_THROW(parse_choice<FairingMethod>("magic"), InvalidInput);
+}
+
+TEST(Fair, BadOptionsAreNamed) {
+  const Mesh mesh = fixtures::cube(2);
+  FairingOptions options;
+  options.noise = std::numeric_limits<double>::quiet_NaN();
+  ASSERT_TRUE(options.problem().has_value());
+  EXPECT_NE(options.problem()->find("noise"), std::string::npos);
+  EXPECT_THROW(fair(mesh.positions, mesh.triangles, options), InvalidInput);
+  options.noise = -1;
+  options.iterations = -1;
+  EXPECT_THROW(fair(mesh.positions, mesh.triangles, options), InvalidInput);
+  options.iterations = 0;
+  EXPECT_FALSE(options.problem().has_value());
 }
 
 class FairByEveryMethod : public testing::TestWithParam<std::string> {};
@@ -35,7 +47,7 @@ TEST_P(FairByEveryMethod, BringsTheNormalsOfANoisyDomeNearerToTheTruth) {
   }
   const Points noisy = add_gaussian_noise(mesh.positions, mesh.triangles, 0.15, 8);
   FairingOptions options;
-  options.method = parse_fairing_method(GetParam());
+  options.method = parse_choice<FairingMethod>(GetParam());
   options.keep_boundary = true;
   const FairingResult result = fair(noisy, mesh.triangles, options);
   EXPECT_LT(fixtures::normal_error_deg(result.positions, mesh.positions, mesh.triangles),
@@ -46,7 +58,7 @@ TEST_P(FairByEveryMethod, BringsTheNormalsOfANoisyDomeNearerToTheTruth) {
   for (int i = 0; i <= 20; ++i) EXPECT_EQ(result.positions.row(i), noisy.row(i));
 }
 
-INSTANTIATE_TEST_SUITE_P(Fairing, FairByEveryMethod, testing::ValuesIn(fairing_method_names()),
+INSTANTIATE_TEST_SUITE_P(Fairing, FairByEveryMethod, testing::ValuesIn(choice_words<FairingMethod>()),
                          [](const testing::TestParamInfo<std::string>& method) {
                            std::string name;
                            for (const char c : method.param) name += c == '-' ? '_' : c;
@@ -64,7 +76,7 @@ TEST(Fair, TakesTheNoiseAndIterationsThatAreGiven) {
   EXPECT_EQ(result.iterations, 4);
   options.noise = 0;  // "there is none"
   EXPECT_EQ(fair(noisy, mesh.triangles, options).positions, noisy);
-  EXPECT_EQ(fair(noisy, mesh.triangles, options).strategy, "none");
+  EXPECT_EQ(fair(noisy, mesh.triangles, options).strategy, FairingStrategy::None);
 }
 
 // Meshes in which lengths, areas or neighbourhoods vanish: every method ends, with numbers.
@@ -85,7 +97,7 @@ TEST_P(FairByEveryMethod, SurvivesBadTrianglesAndLonelyVertices) {
   meshes[3].positions = Points::Ones(2, 3);  // no triangles
   meshes[3].triangles.resize(0, 3);
   FairingOptions options;
-  options.method = parse_fairing_method(GetParam());
+  options.method = parse_choice<FairingMethod>(GetParam());
   for (const Mesh& mesh : meshes) {
     const FairingResult result = fair(mesh.positions, mesh.triangles, options);
     ASSERT_EQ(result.positions.rows(), mesh.positions.rows());
@@ -104,7 +116,7 @@ TEST_P(FairByEveryMethod, DoesNotDependOnTheUnit) {
   const Mesh mesh = fixtures::closed_sphere(6);
   const Points noisy = add_gaussian_noise(mesh.positions, mesh.triangles, 0.2, 3);
   FairingOptions options;
-  options.method = parse_fairing_method(GetParam());
+  options.method = parse_choice<FairingMethod>(GetParam());
   const Points faired = fair(noisy, mesh.triangles, options).positions;
   for (const double scale : {1e-6, 1e6}) {
     const Points again = fair(scale * noisy, mesh.triangles, options).positions;

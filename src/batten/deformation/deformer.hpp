@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "batten/core/arrays.hpp"
+#include "batten/core/choices.hpp"
 #include "batten/core/progress.hpp"
 
 namespace batten {
@@ -20,6 +21,13 @@ enum class DeformationEnergy {
   TotalCurvature,  ///< Δ²d + 2 ∇·(G ∇d) = 0, G = H² − K: H (2.61), see DeformOptions::curvature_term
 };
 
+constexpr auto choices_of(DeformationEnergy) {
+  return choices<DeformationEnergy>("deformation energy", {{DeformationEnergy::Stretch, "stretch"},
+                                                           {DeformationEnergy::Bend, "bend"},
+                                                           {DeformationEnergy::Combined, "combined"},
+                                                           {DeformationEnergy::TotalCurvature, "total"}});
+}
+
 /// How surface detail is kept where the shape turns (H 2.3.2: min E(X') + λ ‖L X' − δ̂(X')‖²).
 enum class DetailPreservation {
   /// Not at all: detail keeps its direction in space.
@@ -30,6 +38,13 @@ enum class DetailPreservation {
   /// Inexact Gauss–Newton on Laplacian coordinates written in face normals (H 2.3.4, 2.74–2.79).
   GaussNewton,
 };
+
+constexpr auto choices_of(DetailPreservation) {
+  return choices<DetailPreservation>("way to keep detail",
+                                     {{DetailPreservation::None, "none"},
+                                      {DetailPreservation::ShapeMatching, "shape-matching"},
+                                      {DetailPreservation::GaussNewton, "gauss-newton"}});
+}
 
 struct DeformOptions {
   DeformationEnergy energy = DeformationEnergy::TotalCurvature;

@@ -129,7 +129,7 @@ Trials try_strategies(Fairer& fairer, const Points& positions, const Triangles& 
     // then better in the normals, also where triangles differ much in size.
     trials.risk[k] =
         removed.cwiseProduct(fairer.tilt(removed)) + 2 * fairer.tilt(probe).cwiseProduct(response);
-    told.strategies.emplace_back(strategy.name);
+    told.strategies.push_back(strategy.kind);
     told.risks.push_back(trials.risk[k].sum() / fairer.tilt_diagonal().sum() - 1);
     told.solves.add(run.solves);
     told.solves.add(again.solves);
@@ -138,20 +138,20 @@ Trials try_strategies(Fairer& fairer, const Points& positions, const Triangles& 
 }
 
 /// Which strategy the whole mesh takes, and per vertex the share of the other.
-struct Choice {
+struct Selection {
   int winner = 0;
   VectorXd other;
 };
 
 /// A region of some hundred triangles tells the strategies apart only where they differ much; so the whole
 /// mesh takes what is better at most places, but for the regions where the other is better beyond doubt.
-Choice choose(const Fairer& fairer, const VectorXd (&risk)[2]) {
+Selection choose(const Fairer& fairer, const VectorXd (&risk)[2]) {
   VectorXd advantage = risk[0] - risk[1], regional;
   for (int pass = 0; pass < 48; ++pass) {
     advantage = fairer.fields().ring_mean(advantage);
     if (pass == 11) regional = advantage;
   }
-  Choice choice;
+  Selection choice;
   choice.winner = median_of(advantage) > 0 ? 1 : 0;
   const double typical = median_of(regional);
   const double doubt = kDoubt * kMadToDeviation * median_of((regional.array() - typical).abs().matrix());
@@ -201,7 +201,7 @@ Points fair_automatically(const Points& positions, const Triangles& triangles,
   Fairer fairer(positions, triangles, std::move(fixed), progress.part("preparation", 0.3, 1));
   Trials trials = try_strategies(fairer, positions, triangles, estimated * edge, options, told, progress);
   progress.report("choice", 0);
-  const Choice choice = choose(fairer, trials.risk);
+  const Selection choice = choose(fairer, trials.risk);
   told.noise = trials.deviation / edge;
   // Where even the better strategy leaves more than a fifth of the noise's own error, what was measured is
   // partly the shape of a coarse mesh.
@@ -213,7 +213,7 @@ Points fair_automatically(const Points& positions, const Triangles& triangles,
   const Strategy& taken = *trials.strategies[choice.winner];
   const FairingRun &run = trials.runs[choice.winner], &other = trials.runs[1 - choice.winner];
   told.exceptions = choice.other.mean();
-  told.strategy = taken.name;
+  told.strategy = taken.kind;
   told.iterations = options.iterations > 0 ? options.iterations : taken.iterations;
   Points moves = told.significance *
                  (run.positions - positions + choice.other.asDiagonal() * (other.positions - run.positions));

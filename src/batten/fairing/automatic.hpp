@@ -5,10 +5,24 @@
 #include <Eigen/Core>
 
 #include "batten/core/arrays.hpp"
+#include "batten/core/choices.hpp"
 #include "batten/core/progress.hpp"
 #include "batten/linalg/iterative.hpp"
 
 namespace batten {
+
+/// How fair_automatically() treats a mesh.
+enum class FairingStrategy {
+  None,     ///< not at all: it looks clean
+  Sharp,    ///< as a part with edges: narrow range, wide neighbourhood
+  Organic,  ///< as a grown or carved shape: wide range, narrow neighbourhood
+};
+
+constexpr auto choices_of(FairingStrategy) {
+  return choices<FairingStrategy>("fairing strategy", {{FairingStrategy::None, "none"},
+                                                       {FairingStrategy::Sharp, "sharp"},
+                                                       {FairingStrategy::Organic, "organic"}});
+}
 
 /// Options of fair_automatically().
 struct AutomaticFairingOptions {
@@ -28,15 +42,15 @@ struct AutomaticFairingReport {
   double noise = 0;  ///< in mean edge lengths, given or estimated (and measured again on what was removed)
   double significance = 1;  ///< 0 where the mesh was found clean and left alone; scales the moves
   /// One entry per strategy tried, in the order of `strategies`.
-  std::vector<std::string> strategies;
+  std::vector<FairingStrategy> strategies;
   /// Stein's estimate of the error of the normals over the whole mesh, in units of the noise's own. (What
   /// decides is the median of its difference over regions.)
   std::vector<double> risks;
-  std::string strategy;     ///< the one taken; empty when the mesh was left alone
-  double exceptions = 0;    ///< share of the vertices in regions that took the other
-  int iterations = 0;       ///< its rounds
-  double largest_move = 0;  ///< in the unit of the mesh
-  SolveQuality solves;      ///< the refits of all runs
+  FairingStrategy strategy = FairingStrategy::None;  ///< the one taken
+  double exceptions = 0;                             ///< share of the vertices in regions that took the other
+  int iterations = 0;                                ///< its rounds
+  double largest_move = 0;                           ///< in the unit of the mesh
+  SolveQuality solves;                               ///< the refits of all runs
 };
 
 /// Removes noise from a mesh, keeping sharp edges sharp and organic shapes organic, without parameters.

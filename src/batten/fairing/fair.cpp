@@ -40,41 +40,26 @@ Points fair_by_total_variation(const Points& positions, const Triangles& triangl
 
 }  // namespace
 
-const std::vector<std::string>& fairing_method_names() {
-  static const std::vector<std::string> names = {
-      "auto",          "nlsdf",       "sdf",     "mcf",    "bilaplacian",
-      "amcf",          "amcf-tensor", "tv",      "taubin", "bilateral-normal",
-      "guided-normal", "elastica",    "nonlocal"};
-  return names;
-}
-
-FairingMethod parse_fairing_method(std::string_view name) {
-  const std::vector<std::string>& names = fairing_method_names();
-  std::string list;
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    if (names[i] == name) return static_cast<FairingMethod>(i);
-    list += (i > 0 ? ", " : "") + names[i];
-  }
-  throw InvalidInput(concat("'", name, "' is no fairing method; choose one of ", list));
+std::optional<std::string> FairingOptions::problem() const {
+  if (!std::isfinite(noise)) return concat("noise must be finite, got ", noise);
+  if (iterations < 0) return concat("iterations must be at least 0, got ", iterations);
+  return std::nullopt;
 }
 
 FairingResult fair(const Points& positions, const Triangles& triangles, const FairingOptions& options,
                    const Progress& progress) {
-  if (!std::isfinite(options.noise)) throw InvalidInput(concat("noise must be finite, got ", options.noise));
-  if (options.iterations < 0)
-    throw InvalidInput(concat("iterations must be at least 0, got ", options.iterations));
+  if (const auto problem = options.problem()) throw InvalidInput(*problem);
   fairing_detail::fixed_vertices(positions, triangles, false);  // checks the mesh
   FairingResult result;
   const auto iterations = [&](int standard) {
     return result.iterations = options.iterations > 0 ? options.iterations : standard;
   };
-  result.strategy = fairing_method_names()[static_cast<std::size_t>(options.method)];
   if (options.method == FairingMethod::Automatic) {
     AutomaticFairingReport report;
     result.positions = fair_automatically(
         positions, triangles, {options.noise, options.iterations, options.keep_boundary}, &report, progress);
     result.noise = report.noise;
-    result.strategy = report.strategy.empty() ? "none" : report.strategy;
+    result.strategy = report.strategy;
     result.iterations = report.iterations;
     result.largest_move = report.largest_move;
     result.solves = report.solves;

@@ -1,10 +1,11 @@
 #pragma once
+#include <optional>
 #include <string>
-#include <string_view>
-#include <vector>
 
 #include "batten/core/arrays.hpp"
+#include "batten/core/choices.hpp"
 #include "batten/core/progress.hpp"
+#include "batten/fairing/automatic.hpp"
 #include "batten/linalg/iterative.hpp"
 
 namespace batten {
@@ -26,10 +27,21 @@ enum class FairingMethod {
   Nonlocal,                  ///< nonlocal: positions with similarity weights
 };
 
-/// The names on the command line, in the order of FairingMethod.
-const std::vector<std::string>& fairing_method_names();
-/// @throws InvalidInput listing the names when `name` is none of them.
-FairingMethod parse_fairing_method(std::string_view name);
+constexpr auto choices_of(FairingMethod) {
+  return choices<FairingMethod>("fairing method", {{FairingMethod::Automatic, "auto"},
+                                                   {FairingMethod::NonlocalSurfaceDiffusion, "nlsdf"},
+                                                   {FairingMethod::SurfaceDiffusion, "sdf"},
+                                                   {FairingMethod::MeanCurvature, "mcf"},
+                                                   {FairingMethod::BiLaplacian, "bilaplacian"},
+                                                   {FairingMethod::Anisotropic, "amcf"},
+                                                   {FairingMethod::AnisotropicTensor, "amcf-tensor"},
+                                                   {FairingMethod::TotalVariation, "tv"},
+                                                   {FairingMethod::Taubin, "taubin"},
+                                                   {FairingMethod::BilateralNormal, "bilateral-normal"},
+                                                   {FairingMethod::GuidedNormal, "guided-normal"},
+                                                   {FairingMethod::Elastica, "elastica"},
+                                                   {FairingMethod::Nonlocal, "nonlocal"}});
+}
 
 /// Options of fair().
 struct FairingOptions {
@@ -39,17 +51,20 @@ struct FairingOptions {
   double noise = -1;
   int iterations = 0;  ///< 0 takes the method's own number
   bool keep_boundary = false;
+
+  /// The first problem found, naming field and value, or nothing.
+  std::optional<std::string> problem() const;
 };
 
 /// What fair() did.
 struct FairingResult {
-  Points positions;         ///< n × 3, in the order of the input
-  double noise = 0;         ///< in mean edge lengths, given or estimated
-  std::string strategy;     ///< of the automatic method: "sharp", "organic", "none"; else the method's name
-  int iterations = 0;       ///< rounds or steps taken
-  double time_step = 0;     ///< of the flows, else 0
-  double largest_move = 0;  ///< in the unit of the mesh
-  SolveQuality solves;      ///< the iterative ones; zeros for methods without
+  Points positions;                         ///< n × 3, in the order of the input
+  double noise = 0;                         ///< in mean edge lengths, given or estimated
+  std::optional<FairingStrategy> strategy;  ///< of the automatic method alone
+  int iterations = 0;                       ///< rounds or steps taken
+  double time_step = 0;                     ///< of the flows, else 0
+  double largest_move = 0;                  ///< in the unit of the mesh
+  SolveQuality solves;                      ///< the iterative ones; zeros for methods without
 };
 
 /// Removes noise from a mesh by any of the methods with its thesis or published parameters.

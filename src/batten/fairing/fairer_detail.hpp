@@ -5,6 +5,7 @@
 
 #include "batten/core/arrays.hpp"
 #include "batten/core/progress.hpp"
+#include "batten/fairing/automatic.hpp"
 #include "batten/fairing/fields_detail.hpp"
 #include "batten/linalg/iterative.hpp"
 
@@ -12,7 +13,7 @@ namespace batten::fairing_detail {
 
 /// The parameters of one run. All lengths are in mean edge lengths or mean distances of centroids.
 struct Strategy {
-  const char* name;
+  FairingStrategy kind;
   double spatial;  ///< s, in mean centroid distances
   double range;    ///< r, as a difference of unit normals
   double
@@ -30,8 +31,9 @@ struct Strategy {
 
 // Found on fandisk, cubehole, rocker arm and bunny with noise of 0.1, 0.2 and 0.3 mean edge lengths, the
 // sharp one checked on mechpart, wingnut and casting; see docs/fair.md for the figures.
-inline constexpr Strategy kSharp{"sharp", 2.0, 0.35, 0.5, 0.05, 0.02, 1.2, 0.3, 1.5, 12, 2};
-inline constexpr Strategy kOrganic{"organic", 1.2, 0.45, 1.0, 0.15, 0.05, 1.0, 0.1, 3.0, 10, 0};
+inline constexpr Strategy kSharp{FairingStrategy::Sharp, 2.0, 0.35, 0.5, 0.05, 0.02, 1.2, 0.3, 1.5, 12, 2};
+inline constexpr Strategy kOrganic{
+    FairingStrategy::Organic, 1.2, 0.45, 1.0, 0.15, 0.05, 1.0, 0.1, 3.0, 10, 0};
 
 /// One run of a strategy from start to end; see fair_automatically() for its rounds.
 struct FairingRun {

@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 
 #include "batten/core/arrays.hpp"
+#include "batten/core/choices.hpp"
 #include "batten/core/progress.hpp"
 #include "batten/mesh/shape.hpp"
 
@@ -30,6 +31,12 @@ struct SimilarityTransform {
 
 /// What a registration may change.
 enum class RegistrationKind { None, Rigid, Similarity };
+
+constexpr auto choices_of(RegistrationKind) {
+  return choices<RegistrationKind>("registration", {{RegistrationKind::None, "none"},
+                                                    {RegistrationKind::Rigid, "rigid"},
+                                                    {RegistrationKind::Similarity, "similarity"}});
+}
 
 /// The transform that takes the rows of `from` closest to those of `to` in the least-squares sense
 /// ([umeyama1991], by a singular value decomposition; reflections are excluded).

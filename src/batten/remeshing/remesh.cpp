@@ -37,30 +37,11 @@ constexpr double kAreaSimilarity = 0.05;
 
 void check(const TriangleMesh& mesh, const RemeshOptions& options) {
   if (mesh.n_triangles() == 0) throw InvalidInput("there are no triangles to remesh");
-  if (!(options.edge_length >= 0) || !std::isfinite(options.edge_length))
-    throw InvalidInput(concat("edge_length must be positive, got ", options.edge_length));
-  if (options.n_vertices < 0)
-    throw InvalidInput(concat("n_vertices must be positive, got ", options.n_vertices));
-  if (options.n_vertices > 0 && options.edge_length > 0)
-    throw InvalidInput("give either an edge length or a number of vertices, not both");
-  if (!(options.adaptivity >= 0 && options.adaptivity <= 1))
-    throw InvalidInput(concat("adaptivity must lie in [0, 1], got ", options.adaptivity));
-  if (!(options.keep_edges > 0 && options.keep_edges <= kPi + 1e-9))
-    throw InvalidInput(concat("keep_edges must lie above 0 and at most at 180 degrees, got ",
-                              degrees(options.keep_edges), " degrees"));
-  if (options.max_iterations < 1)
-    throw InvalidInput(concat("max_iterations must be at least 1, got ", options.max_iterations));
-  if (!(options.tolerance >= 0))
-    throw InvalidInput(concat("tolerance must be at least 0, got ", options.tolerance));
-  if (options.sizes.size() != 0) {
-    if (options.sizes.size() != mesh.n_vertices())
-      throw InvalidInput(concat("there are ", options.sizes.size(), " sizes, but the mesh has ",
-                                mesh.n_vertices(), " vertices"));
-    for (Eigen::Index v = 0; v < options.sizes.size(); ++v)
-      if (!(options.sizes[v] > 0) || !std::isfinite(options.sizes[v]))
-        throw InvalidInput(
-            concat("the size at vertex ", v, " is ", options.sizes[v], "; sizes are edge lengths above 0"));
-  }
+  if (const auto problem = options.problem()) throw InvalidInput(*problem);
+  if (options.sizes.size() == 0) return;
+  if (options.sizes.size() != mesh.n_vertices())
+    throw InvalidInput(concat("there are ", options.sizes.size(), " sizes, but the mesh has ",
+                              mesh.n_vertices(), " vertices"));
 }
 
 double mean_edge_length(const HalfedgeMesh& mesh) {
@@ -324,6 +305,24 @@ class Remesher {
 };
 
 }  // namespace
+
+std::optional<std::string> RemeshOptions::problem() const {
+  if (!(edge_length >= 0) || !std::isfinite(edge_length))
+    return concat("edge_length must be positive, got ", edge_length);
+  if (n_vertices < 0) return concat("n_vertices must be positive, got ", n_vertices);
+  if (n_vertices > 0 && edge_length > 0)
+    return "give either an edge length or a number of vertices, not both";
+  if (!(adaptivity >= 0 && adaptivity <= 1)) return concat("adaptivity must lie in [0, 1], got ", adaptivity);
+  if (!(keep_edges > 0 && keep_edges <= kPi + 1e-9))
+    return concat("keep_edges must lie above 0 and at most at 180 degrees, got ", degrees(keep_edges),
+                  " degrees");
+  if (max_iterations < 1) return concat("max_iterations must be at least 1, got ", max_iterations);
+  if (!(tolerance >= 0)) return concat("tolerance must be at least 0, got ", tolerance);
+  for (Eigen::Index v = 0; v < sizes.size(); ++v)
+    if (!(sizes[v] > 0) || !std::isfinite(sizes[v]))
+      return concat("the size at vertex ", v, " is ", sizes[v], "; sizes are edge lengths above 0");
+  return std::nullopt;
+}
 
 RemeshResult remesh(const TriangleMesh& mesh, const RemeshOptions& options, const Progress& progress) {
   check(mesh, options);

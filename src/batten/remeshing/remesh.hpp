@@ -1,9 +1,11 @@
 #pragma once
-#include <string_view>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "batten/core/choices.hpp"
 #include "batten/core/progress.hpp"
 #include "batten/core/stage_times.hpp"
 #include "batten/core/units.hpp"
@@ -19,6 +21,11 @@ enum class RemeshMethod {
   /// The Laplacian flow (H 2.46, 2.47; [botsch2004]), for comparison.
   LaplacianFlow,
 };
+
+constexpr auto choices_of(RemeshMethod) {
+  return choices<RemeshMethod>("remeshing method",
+                               {{RemeshMethod::Adaptive, "ar"}, {RemeshMethod::LaplacianFlow, "lf"}});
+}
 
 struct RemeshOptions {
   RemeshMethod method = RemeshMethod::Adaptive;
@@ -42,6 +49,9 @@ struct RemeshOptions {
   /// Stop when Var(A) / (N Ā²) changes by less between rounds (H: 1e-6, there absolute), A being vertex areas
   /// relative to the wanted ones; at least 0.
   double tolerance = 1e-6;
+
+  /// The first problem found, naming field and value, or nothing.
+  std::optional<std::string> problem() const;
 };
 
 struct RemeshReport {

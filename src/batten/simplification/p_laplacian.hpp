@@ -3,6 +3,7 @@
 #include <string>
 
 #include "batten/core/arrays.hpp"
+#include "batten/core/choices.hpp"
 #include "batten/core/progress.hpp"
 
 namespace batten {
@@ -14,6 +15,12 @@ enum class FlowWeight {
   Curvature,      ///< w3: exp(−|H_i − H_j|²/σ), H scaled to largest magnitude 1; not normalised
                   ///< (docs/errata.md#h-2-94)
 };
+
+constexpr auto choices_of(FlowWeight) {
+  return choices<FlowWeight>(
+      "weight of edges",
+      {{FlowWeight::Uniform, "w1"}, {FlowWeight::InverseLength, "w2"}, {FlowWeight::Curvature, "w3"}});
+}
 
 /// Options of p_laplacian_flow(). Lengths are measured in mean edge lengths, so that nothing depends on
 /// scale.

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "batten/core/choices.hpp"
 #include "batten/core/progress.hpp"
 #include "batten/core/stage_times.hpp"
 #include "batten/mesh/triangle_mesh.hpp"
@@ -19,6 +20,11 @@ enum class SimplifyMethod {
   /// vertices to the features. Coarser detail in flat parts, the same amount of work per level.
   PLaplacian,
 };
+
+constexpr auto choices_of(SimplifyMethod) {
+  return choices<SimplifyMethod>("simplification method", {{SimplifyMethod::Quadric, "quadric"},
+                                                           {SimplifyMethod::PLaplacian, "plaplacian"}});
+}
 
 /// Options of simplify(). Exactly one of `faces`, `remove` and `max_error` says where to stop.
 struct SimplifyOptions {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "batten/core/choices.hpp"
 #include "batten/core/progress.hpp"
 #include "batten/mesh/control_cage.hpp"
 
@@ -17,6 +18,13 @@ enum class SubdivisionScheme {
   NulissMod,     ///< Nuliss that also goes along the polylines of the edges; not smooth everywhere (H 6.3.1)
   Linear,        ///< splits faces at centroids and edges halfway, moves nothing (H 6.4.2)
 };
+
+constexpr auto choices_of(SubdivisionScheme) {
+  return choices<SubdivisionScheme>("scheme", {{SubdivisionScheme::CatmullClark, "catmull-clark"},
+                                               {SubdivisionScheme::Nuliss, "nuliss"},
+                                               {SubdivisionScheme::NulissMod, "nulissmod"},
+                                               {SubdivisionScheme::Linear, "linear"}});
+}
 
 /// Options of subdivide().
 struct SubdivisionOptions {
