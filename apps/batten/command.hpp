@@ -1,6 +1,5 @@
 #pragma once
 #include <functional>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -10,21 +9,11 @@
 
 #include "batten/core/progress.hpp"
 #include "batten/core/stage_times.hpp"
-#include "batten/mesh/triangle_mesh.hpp"
-#include "batten/network/curve_network.hpp"
+#include "batten/report/exhibit.hpp"
 
 namespace batten::cli {
 
 using Json = nlohmann::ordered_json;
-
-/// What the report of a run draws.
-struct Exhibit {
-  std::optional<TriangleMesh> mesh;
-  std::optional<CurveNetwork> network;
-  /// Distances to a truth per vertex of the mesh, or of the network where there is no mesh, in per cent of
-  /// the diameter of the truth; empty without a truth.
-  Eigen::VectorXd errors;
-};
 
 /// What every command gives back: the one object printed by --json, or the lines printed without it.
 struct Outcome {

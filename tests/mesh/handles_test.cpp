@@ -64,15 +64,17 @@ TEST(Handles, ProblemsNameHandleAndVertex) {
   EXPECT_EQ(problem_after([](Handles&) {}), "");
   EXPECT_NE(problem_after([](Handles& h) { h.fixed[0] = 4; }).find("vertex 4"), std::string::npos);
   EXPECT_NE(problem_after([](Handles& h) { h.fixed[0] = -1; }).find("vertex -1"), std::string::npos);
-  EXPECT_NE(problem_after([](Handles& h) { h.fixed.push_back(3); }).find("vertex 3 twice"), std::string::npos);
+  EXPECT_NE(problem_after([](Handles& h) { h.fixed.push_back(3); }).find("vertex 3 twice"),
+            std::string::npos);
   EXPECT_NE(problem_after([](Handles& h) { h.moved[1].vertices.pop_back(); }).find("2 targets for 1"),
             std::string::npos);
   EXPECT_NE(problem_after([](Handles& h) { h.moved[0].axis.setZero(); }).find("handle 0"), std::string::npos);
   EXPECT_NE(problem_after([](Handles& h) { h.moved[1].targets(0, 0) = std::nan(""); }).find("handle 1"),
             std::string::npos);
-  EXPECT_NE(
-      problem_after([](Handles& h) { h.moved[0].angle = std::numeric_limits<double>::infinity(); }).find("finite"),
-      std::string::npos);
+  EXPECT_NE(problem_after([](Handles& h) {
+              h.moved[0].angle = std::numeric_limits<double>::infinity();
+            }).find("finite"),
+            std::string::npos);
 }
 
 }  // namespace

@@ -50,7 +50,8 @@ TEST(DeformedMesh, MeetsTheHandlesAndIsThatOfTheRoomBelow) {
   const Points targets = handles.targets(mesh.positions);
   const std::vector<int> vertices = handles.vertices();
   for (std::size_t i = 0; i < vertices.size(); ++i)
-    EXPECT_LT((result.mesh.positions.row(vertices[i]) - targets.row(static_cast<Eigen::Index>(i))).norm(), 1e-9);
+    EXPECT_LT((result.mesh.positions.row(vertices[i]) - targets.row(static_cast<Eigen::Index>(i))).norm(),
+              1e-9);
   // Below 45 degrees the motion is one part: one call of the deformer.
   const Deformer deformer(mesh.positions, mesh.triangles, vertices);
   EXPECT_EQ(result.mesh.positions, deformer.deform(targets).positions);

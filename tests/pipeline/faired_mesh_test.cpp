@@ -14,7 +14,8 @@ namespace {
 
 TriangleMesh as_mesh(const fixtures::Mesh& shape, double noise) {
   TriangleMesh mesh;
-  mesh.positions = noise > 0 ? add_gaussian_noise(shape.positions, shape.triangles, noise, 5) : shape.positions;
+  mesh.positions =
+      noise > 0 ? add_gaussian_noise(shape.positions, shape.triangles, noise, 5) : shape.positions;
   mesh.triangles = shape.triangles;
   return mesh;
 }
@@ -36,9 +37,10 @@ TEST(FairedMesh, IsThatOfTheRoomBelowWithItsFigures) {
   EXPECT_TRUE(faired.topology.is_watertight());
   // The flow rounds a cube: it loses volume, and normals turn.
   ASSERT_TRUE(faired.volume_change.has_value());
-  EXPECT_NEAR(1 + *faired.volume_change,
-              enclosed_volume(below.positions, mesh.triangles) / enclosed_volume(mesh.positions, mesh.triangles),
-              1e-12);
+  EXPECT_NEAR(
+      1 + *faired.volume_change,
+      enclosed_volume(below.positions, mesh.triangles) / enclosed_volume(mesh.positions, mesh.triangles),
+      1e-12);
   EXPECT_LT(*faired.volume_change, 0);
   EXPECT_GT(faired.mean_normal_change, 0);
   EXPECT_EQ(faired.mesh.normals, vertex_normals(below.positions, mesh.triangles));

@@ -25,7 +25,8 @@ TEST(MeshProblem, NamesWhatCannotBeProcessed) {
     return mesh_problem(mesh).value_or("");
   };
   EXPECT_EQ(problem_after([](TriangleMesh&) {}), "");
-  EXPECT_NE(problem_after([](TriangleMesh& m) { m.triangles.resize(0, 3); }).find("no faces"), std::string::npos);
+  EXPECT_NE(problem_after([](TriangleMesh& m) { m.triangles.resize(0, 3); }).find("no faces"),
+            std::string::npos);
   EXPECT_NE(problem_after([](TriangleMesh& m) {
               m.positions(1, 2) = std::numeric_limits<double>::quiet_NaN();
             }).find("finite"),

@@ -31,7 +31,8 @@ TEST(RemeshedMesh, IsThatOfTheRoomBelowWithItsMeasures) {
   EXPECT_EQ(remeshed.mesh.positions, below.mesh.positions);
   EXPECT_EQ(remeshed.mesh.triangles, below.mesh.triangles);
   EXPECT_EQ(remeshed.report.iterations, below.report.iterations);
-  EXPECT_EQ(remeshed.measures.normal_error, remesh_measures(mesh, below.mesh, options.remesh.keep_edges).normal_error);
+  EXPECT_EQ(remeshed.measures.normal_error,
+            remesh_measures(mesh, below.mesh, options.remesh.keep_edges).normal_error);
   EXPECT_EQ(remeshed.quality.min_angle, mesh_quality(below.mesh.positions, below.mesh.triangles).min_angle);
   EXPECT_TRUE(remeshed.warnings.empty());
 }
@@ -61,7 +62,8 @@ TEST(RemeshedMesh, TellsThatValuesAreDroppedUnlessTheyAreTheSizes) {
 
 TEST(RemeshedMesh, BadOptionsAreNamedAndWorkIsCancelled) {
   const auto names = [](const RemeshedMeshOptions& options, const std::string& field) {
-    EXPECT_NE(options.problem().value_or("").find(field), std::string::npos) << options.problem().value_or("none");
+    EXPECT_NE(options.problem().value_or("").find(field), std::string::npos)
+        << options.problem().value_or("none");
     EXPECT_THROW(remeshed_mesh(torus(), options), InvalidInput);
   };
   RemeshedMeshOptions options;
@@ -78,7 +80,8 @@ TEST(RemeshedMesh, BadOptionsAreNamedAndWorkIsCancelled) {
   options.remesh.sizes = Eigen::VectorXd::Zero(torus().n_vertices());
   names(options, "size at vertex 0");
   EXPECT_THROW(remeshed_mesh({}), InvalidInput);
-  EXPECT_THROW(remeshed_mesh(torus(), {}, Progress([](std::string_view, double) { return false; })), Cancelled);
+  EXPECT_THROW(remeshed_mesh(torus(), {}, Progress([](std::string_view, double) { return false; })),
+               Cancelled);
 }
 
 }  // namespace

@@ -75,8 +75,8 @@ TEST(MeasuredMesh, IsMovedWithItsNormalsAndHasItsDistances) {
   EXPECT_EQ(moved.vertex_values.at("distance"), distances.a_to_b.vertex_distances);
 }
 
-// The truth itself, turned a quarter and moved, has no errors. One larger by a twentieth in every direction is off
-// by that of its longest half axis, 1, at the tips of it: no rigid motion mends that.
+// The truth itself, turned a quarter and moved, has no errors. One larger by a twentieth in every direction
+// is off by that of its longest half axis, 1, at the tips of it: no rigid motion mends that.
 TEST(TruthErrors, AreInPerCentOfTheTruthAfterARigidMotion) {
   Shape truth = fixtures::sphere(6);
   truth.positions = truth.positions * Eigen::Vector3d(1, 0.8, 0.6).asDiagonal();

@@ -92,7 +92,8 @@ TEST(SubdividedCage, BadOptionsAreNamedAndWorkIsCancelled) {
   ControlCage broken = cube();
   broken.mesh.corners[0] = 99;
   EXPECT_THROW(subdivided_cage(broken), InvalidInput);
-  EXPECT_THROW(subdivided_cage(cube(), {}, Progress([](std::string_view, double) { return false; })), Cancelled);
+  EXPECT_THROW(subdivided_cage(cube(), {}, Progress([](std::string_view, double) { return false; })),
+               Cancelled);
 }
 
 }  // namespace

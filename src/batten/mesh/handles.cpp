@@ -43,13 +43,15 @@ double Handles::largest_angle() const {
 std::optional<std::string> Handles::problem(Eigen::Index n_vertices) const {
   std::vector<char> is_named(static_cast<std::size_t>(n_vertices), 0);
   for (const int v : vertices()) {
-    if (v < 0 || v >= n_vertices) return concat("handles name vertex ", v, "; there are 0 to ", n_vertices - 1);
+    if (v < 0 || v >= n_vertices)
+      return concat("handles name vertex ", v, "; there are 0 to ", n_vertices - 1);
     if (std::exchange(is_named[static_cast<std::size_t>(v)], 1) != 0)
       return concat("handles name vertex ", v, " twice");
   }
   for (std::size_t i = 0; i < moved.size(); ++i) {
     const HandleMotion& motion = moved[i];
-    if (motion.targets.rows() > 0 && motion.targets.rows() != static_cast<Eigen::Index>(motion.vertices.size()))
+    if (motion.targets.rows() > 0 &&
+        motion.targets.rows() != static_cast<Eigen::Index>(motion.vertices.size()))
       return concat("handle ", i, " has ", motion.targets.rows(), " targets for ", motion.vertices.size(),
                     " vertices");
     if (!(std::abs(motion.axis.norm() - 1) < 1e-6))

@@ -32,8 +32,8 @@ struct Handles {
   /// The largest angle of a handle, radians.
   double largest_angle() const;
 
-  /// The first problem found, naming handle and vertex, or nothing: a vertex out of range or named twice, targets
-  /// that are not one per vertex, an axis that is not of unit length, numbers that are not finite.
+  /// The first problem found, naming handle and vertex, or nothing: a vertex out of range or named twice,
+  /// targets that are not one per vertex, an axis that is not of unit length, numbers that are not finite.
   /// @param n_vertices of the mesh.
   std::optional<std::string> problem(Eigen::Index n_vertices) const;
 };

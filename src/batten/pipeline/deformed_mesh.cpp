@@ -15,7 +15,8 @@ namespace batten {
 namespace {
 
 /// Where the handles are after each part of their motion; the last row of parts is the whole.
-std::vector<Points> parts_of_motion(const Points& positions, const Handles& handles, DetailPreservation detail) {
+std::vector<Points> parts_of_motion(const Points& positions, const Handles& handles,
+                                    DetailPreservation detail) {
   const int parts =
       detail == DetailPreservation::None
           ? 1
@@ -46,8 +47,9 @@ Deformer::Result deform_in_two_resolutions(const TriangleMesh& mesh, const Handl
   return deformer->deform(whole, targets, progress);
 }
 
-Deformer::Result deform_directly(const TriangleMesh& mesh, const Handles& handles, const DeformOptions& options,
-                                 const Progress& progress, DeformedMesh& result) {
+Deformer::Result deform_directly(const TriangleMesh& mesh, const Handles& handles,
+                                 const DeformOptions& options, const Progress& progress,
+                                 DeformedMesh& result) {
   std::optional<Deformer> deformer;
   {
     const ScopedStage stage(result.times, "factorise");
@@ -69,8 +71,8 @@ std::optional<std::string> DeformedMeshOptions::problem() const {
   return deform.problem();
 }
 
-DeformedMesh deformed_mesh(const TriangleMesh& mesh, const Handles& handles, const DeformedMeshOptions& options,
-                           const Progress& progress) {
+DeformedMesh deformed_mesh(const TriangleMesh& mesh, const Handles& handles,
+                           const DeformedMeshOptions& options, const Progress& progress) {
   if (const auto problem = options.problem()) throw InvalidInput(*problem);
   require_processable(mesh);
   if (const auto problem = handles.problem(mesh.n_vertices())) throw InvalidInput(*problem);

@@ -20,8 +20,9 @@ std::optional<std::string> mesh_problem(const TriangleMesh& mesh) {
     return concat("a face has a vertex outside 0 to ", mesh.n_vertices() - 1);
   const double size = (mesh.positions.colwise().maxCoeff() - mesh.positions.colwise().minCoeff()).maxCoeff();
   if (size > 0 && !(size > kSmallestSize && size < kLargestSize))
-    return concat("the mesh is ", size,
-                  " large, where squares and volumes are out of the range of numbers; give it in another unit");
+    return concat(
+        "the mesh is ", size,
+        " large, where squares and volumes are out of the range of numbers; give it in another unit");
   if (!(face_areas(mesh.positions, mesh.triangles).maxCoeff() > 0))
     return "no face has an area; check the positions";
   return std::nullopt;

@@ -6,9 +6,9 @@
 
 namespace batten {
 
-/// What keeps a mesh from being processed, in words with the remedy, or nothing: no faces, numbers that are not
-/// finite or out of the range in which squares and volumes can be computed, faces that name no vertex, no area.
-/// The first thing that every request on a mesh asks; linear time.
+/// What keeps a mesh from being processed, in words with the remedy, or nothing: no faces, numbers that are
+/// not finite or out of the range in which squares and volumes can be computed, faces that name no vertex, no
+/// area. The first thing that every request on a mesh asks; linear time.
 std::optional<std::string> mesh_problem(const TriangleMesh& mesh);
 
 /// @throws InvalidInput with what mesh_problem() says.

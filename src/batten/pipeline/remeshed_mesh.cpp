@@ -19,8 +19,8 @@ void add_warnings(const TriangleMesh& input, const RemeshOptions& options, Remes
                report.split_vertices));
   if (report.solves.unconverged > 0)
     result.warnings.push_back(
-        concat("solves that stopped before they converged: ", report.solves.unconverged, " (relative residual ",
-               report.solves.residual,
+        concat("solves that stopped before they converged: ", report.solves.unconverged,
+               " (relative residual ", report.solves.residual,
                "); areas or distances may be less even than they could be, which another number of "
                "`iterations` may mend"));
   if (!input.vertex_values.empty() && options.sizes.size() == 0)

@@ -20,13 +20,15 @@ Shape shape_of(const CurveNetwork& network);
 struct ShapeComparison {
   Comparison distances;
   double hausdorff = 0;  ///< the largest distance found, in either direction
-  /// How the triangles of A, moved onto B, differ from those of B; nothing unless both are oriented manifolds.
+  /// How the triangles of A, moved onto B, differ from those of B; nothing unless both are oriented
+  /// manifolds.
   std::optional<MeshVariation> variation;
   std::vector<std::string> warnings;
   StageTimes times;
 };
 
-/// Measures one shape against another: compare(), mesh_variation(). The options are those of `batten compare`.
+/// Measures one shape against another: compare(), mesh_variation(). The options are those of `batten
+/// compare`.
 /// @throws InvalidInput as compare(); Cancelled.
 ShapeComparison compared_shapes(const Shape& a, const Shape& b, const CompareOptions& options = {},
                                 const Progress& progress = {});

@@ -40,8 +40,8 @@ struct SimplifiedMesh {
 SimplifiedMesh simplified_mesh(const TriangleMesh& mesh, const SimplifiedMeshOptions& options,
                                const Progress& progress = {});
 
-/// The meshes of all levels from the input on; all but the last hold, per vertex, the vertex of the next coarser
-/// level that stands for it ("coarser_vertex"; −1 where no face used it), and no other values.
+/// The meshes of all levels from the input on; all but the last hold, per vertex, the vertex of the next
+/// coarser level that stands for it ("coarser_vertex"; −1 where no face used it), and no other values.
 /// @pre `levels` was made of `input` (SimplifyOptions::keep_levels).
 std::vector<TriangleMesh> level_meshes(const TriangleMesh& input, const std::vector<SimplifyLevel>& levels);
 

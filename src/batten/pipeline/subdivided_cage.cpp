@@ -47,9 +47,9 @@ CagePatches cage_patches(const ControlCage& cage, const CagePatchesOptions& opti
     const ScopedStage stage(times, "step");
     patches.step = format_step(patches.surface, options.step);
   }
-  patches.n_exact = static_cast<std::size_t>(
-      std::count_if(patches.surface.patches.begin(), patches.surface.patches.end(),
-                    [](const BsplinePatch& patch) { return patch.is_exact; }));
+  patches.n_exact =
+      static_cast<std::size_t>(std::count_if(patches.surface.patches.begin(), patches.surface.patches.end(),
+                                             [](const BsplinePatch& patch) { return patch.is_exact; }));
   patches.n_sharp =
       static_cast<std::size_t>(std::count_if(patches.surface.edges.begin(), patches.surface.edges.end(),
                                              [](const BsplineEdge& edge) { return edge.is_sharp; }));
@@ -63,9 +63,8 @@ void add_warnings(const CagePatches& patches, double tolerance, std::vector<std:
     warnings.push_back(concat("near extraordinary vertices the patches are ", patches.deviation,
                               " mm off, more than `step_tolerance`; subdivide the cage once first"));
   if (patches.surface.levels > 0)
-    warnings.push_back(
-        concat("faces that are no quads and semi-sharp features were resolved: patches lie ",
-               patches.surface.levels, " levels below the faces of the cage"));
+    warnings.push_back(concat("faces that are no quads and semi-sharp features were resolved: patches lie ",
+                              patches.surface.levels, " levels below the faces of the cage"));
 }
 
 void describe(const ControlCage& cage, SubdividedCage& result) {
@@ -83,7 +82,8 @@ void describe(const ControlCage& cage, SubdividedCage& result) {
 
 std::optional<std::string> SubdividedCageOptions::problem() const {
   if (patches && subdivision.scheme != SubdivisionScheme::CatmullClark)
-    return "patches are those of the limit surface of Catmull-Clark; the other schemes have no B-splines as their "
+    return "patches are those of the limit surface of Catmull-Clark; the other schemes have no B-splines as "
+           "their "
            "limit";
   if (auto problem = subdivision.problem()) return problem;
   if (!patches) return std::nullopt;
@@ -111,7 +111,8 @@ SubdividedCage subdivided_cage(const ControlCage& cage, const SubdividedCageOpti
       start = subdivide(start, one, progress).cage;
       --subdivision.levels;
     }
-    if (options.refine) result.refined = refined_cage(subdivide(start, subdivision, progress), subdivision.limit);
+    if (options.refine)
+      result.refined = refined_cage(subdivide(start, subdivision, progress), subdivision.limit);
   }
   if (options.patches) {
     result.patches =

@@ -425,6 +425,14 @@ std::optional<std::string> RenderOptions::problem() const {
   return std::nullopt;
 }
 
+std::optional<ShownValues> shown_values(const Subject& subject, const RenderOptions& options) {
+  check(subject, options);
+  std::optional<Mapping> mapping = mapping_of(subject, options);
+  if (!mapping) return std::nullopt;
+  return ShownValues{std::move(mapping->values), mapping->scale.low, mapping->scale.high,
+                     mapping->scale.title};
+}
+
 Image render(const Subject& subject, const RenderOptions& options, const Progress& progress) {
   check(subject, options);
   Image image(options.width, options.height, background(0));

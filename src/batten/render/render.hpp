@@ -77,6 +77,18 @@ struct RenderOptions {
 /// or an option is out of range; Cancelled.
 Image render(const Subject& subject, const RenderOptions& options = {}, const Progress& progress = {});
 
+/// The numbers behind a picture whose colours are values per vertex, and the ends of its colour bar.
+struct ShownValues {
+  Eigen::VectorXd values;    ///< per vertex of the mesh, or of the network; NaN: drawn grey
+  double low = 0, high = 1;  ///< what lies beyond is drawn as the end
+  std::string title;         ///< "mean curvature", or the unit of the errors
+};
+
+/// For whoever colours vertices without drawing: curvatures (on borders, where the operators say nothing, the
+/// mean of the neighbours inside) and errors, exactly as render() shows them. Nothing for the other shadings.
+/// @throws InvalidInput as render().
+std::optional<ShownValues> shown_values(const Subject& subject, const RenderOptions& options);
+
 /// One picture per shading side by side, each with its name below, on a sheet of options.width × height.
 Image contact_sheet(const Subject& subject, const std::vector<Shading>& shadings,
                     const RenderOptions& options = {}, const Progress& progress = {});
