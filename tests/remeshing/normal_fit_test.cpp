@@ -1,8 +1,6 @@
 #include "batten/remeshing/normal_fit.hpp"
 
-#include "mesh/shapes.hpp"
-
-#include <numeric>
+#include "remeshing/surfaces.hpp"
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
@@ -15,10 +13,8 @@
 namespace batten {
 namespace {
 
-/// A roof: two planes that meet in a ridge along y at x = 0.46.
-Eigen::Vector3d roof(double u, double v) {
-  return {u, v, 0.15 * std::min(u / 0.46, (1 - u) / 0.54)};
-}
+using fixtures::grid_of;
+using fixtures::roof;
 
 struct Fitted {
   TriangleMesh before, after;
@@ -47,14 +43,6 @@ Fitted fitted(int n, int m, const Surface& surface, const NormalFitOptions& opti
   result.after.positions = compact.positions;
   result.after.triangles = compact.triangles;
   return result;
-}
-
-TriangleMesh grid_of(int m, Eigen::Vector3d (*surface)(double, double)) {
-  const Shape shape = fixtures::grid(m, m, false, false, surface);
-  TriangleMesh mesh;
-  mesh.positions = shape.positions;
-  mesh.triangles = shape.triangles;
-  return mesh;
 }
 
 // Squares that straddle the ridge have wrong normals, 17° and more on two columns of nine. Vertices on the
@@ -93,28 +81,6 @@ TEST(FitNormals, DoesNothingInNoRounds) {
   const Fitted fit = fitted(8, 20, roof, options);
   EXPECT_EQ(fit.moves, 0);
   EXPECT_EQ(fit.after.positions, fit.before.positions);
-}
-
-// The pieces of every triangle add up to it, have its normal and lie in it; none is larger than asked for.
-TEST(AreaSamples, ShareOutTheArea) {
-  const TriangleMesh mesh = grid_of(3, roof);
-  const std::vector<AreaSample> samples = area_samples(mesh.positions, mesh.triangles, 0.004);
-  std::vector<double> area(mesh.n_triangles(), 0.0);
-  std::vector<Eigen::Vector3d> centre(mesh.n_triangles(), Eigen::Vector3d::Zero());
-  for (const AreaSample& sample : samples) {
-    EXPECT_LE(sample.area, 0.004);
-    area[sample.triangle] += sample.area;
-    centre[sample.triangle] += sample.area * sample.point;
-  }
-  for (Eigen::Index f = 0; f < mesh.n_triangles(); ++f) {
-    const Eigen::Vector3d a = mesh.positions.row(mesh.triangles(f, 0)),
-                          b = mesh.positions.row(mesh.triangles(f, 1)),
-                          c = mesh.positions.row(mesh.triangles(f, 2));
-    const Eigen::Vector3d cross = (b - a).cross(c - a);
-    EXPECT_NEAR(area[f], 0.5 * cross.norm(), 1e-14);
-    // Pieces alike, spread evenly: their common centre is the triangle's.
-    EXPECT_LT((centre[f] / area[f] - (a + b + c) / 3).norm(), 1e-14);
-  }
 }
 
 }  // namespace

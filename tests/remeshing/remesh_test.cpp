@@ -1,12 +1,11 @@
 #include "batten/remeshing/remesh.hpp"
 
+#include "remeshing/surfaces.hpp"
 #include "report_gaps.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <filesystem>
-#include <map>
 #include <utility>
 
 #include <Eigen/Geometry>
@@ -15,59 +14,18 @@
 #include "batten/core/error.hpp"
 #include "batten/core/parallel.hpp"
 #include "batten/core/progress.hpp"
-#include "batten/core/random.hpp"
 #include "batten/io/mesh_io.hpp"
 #include "batten/mesh/distance.hpp"
 #include "batten/mesh/halfedge_mesh.hpp"
 #include "batten/remeshing/area_samples.hpp"
 #include "batten/remeshing/feature_chains.hpp"
 #include "batten/remeshing/measures.hpp"
-#include "batten/remeshing/regularization.hpp"
 
 namespace batten {
 namespace {
 
 using Eigen::Vector3d;
-
-/// The surface of the unit cube, every face a grid of n × n squares, welded.
-TriangleMesh cube(int n) {
-  std::map<std::array<int, 3>, int> numbers;
-  std::vector<Vector3d> points;
-  std::vector<std::array<int, 3>> faces;
-  const auto vertex = [&](std::array<int, 3> key) {
-    const auto [at, is_new] = numbers.emplace(key, static_cast<int>(points.size()));
-    if (is_new) points.emplace_back(key[0] / double(n), key[1] / double(n), key[2] / double(n));
-    return at->second;
-  };
-  for (int axis = 0; axis < 3; ++axis)
-    for (const int side : {0, n})
-      for (int i = 0; i < n; ++i)
-        for (int j = 0; j < n; ++j) {
-          const auto corner = [&](int a, int b) {
-            std::array<int, 3> key{};
-            key[axis] = side;
-            key[(axis + 1) % 3] = a;
-            key[(axis + 2) % 3] = b;
-            return vertex(key);
-          };
-          const int p = corner(i, j), q = corner(i + 1, j), r = corner(i + 1, j + 1), s = corner(i, j + 1);
-          if (side == n) {
-            faces.push_back({p, q, r});
-            faces.push_back({p, r, s});
-          } else {
-            faces.push_back({p, r, q});
-            faces.push_back({p, s, r});
-          }
-        }
-  TriangleMesh mesh;
-  mesh.positions.resize(static_cast<Eigen::Index>(points.size()), 3);
-  for (std::size_t v = 0; v < points.size(); ++v)
-    mesh.positions.row(static_cast<Eigen::Index>(v)) = points[v];
-  mesh.triangles.resize(static_cast<Eigen::Index>(faces.size()), 3);
-  for (std::size_t f = 0; f < faces.size(); ++f)
-    mesh.triangles.row(static_cast<Eigen::Index>(f)) << faces[f][0], faces[f][1], faces[f][2];
-  return mesh;
-}
+using fixtures::cube;
 
 struct Angles {
   double mean = 0, least = 180;
@@ -189,42 +147,6 @@ TEST(Remesh, FollowsTheSizesGiven) {
   EXPECT_NEAR(coarse / n_coarse, 0.145, 0.03);
 }
 
-// The features of a cube: twelve chains between eight corners, of length 1; a closed circle gets two corners.
-TEST(FeatureChains, FindsTheEdgesOfACube) {
-  const TriangleMesh input = cube(5);
-  HalfedgeMesh mesh(input.positions, input.triangles);
-  FeatureOptions options;
-  options.crease_angle = radians(30.0);
-  options.corner_angle = radians(40.0);
-  const FeatureChains features = mark_features(mesh, options);
-  ASSERT_EQ(features.chains.size(), 12u);
-  for (const FeatureChain& chain : features.chains) {
-    EXPECT_EQ(chain.vertices.size(), 6u);
-    EXPECT_NEAR(chain.length(), 1, 1e-14);
-    EXPECT_LT((chain.at(0.3) - (0.7 * chain.points.front() + 0.3 * chain.points.back())).norm(), 1e-14);
-  }
-  EXPECT_EQ(std::count(features.is_corner.begin(), features.is_corner.end(), 1), 8);
-}
-
-// Diffusion moves area, it makes none; with one curvature everywhere it evens areas out.
-TEST(RegularizedAreas, KeepTheTotalAndBecomeMoreEven) {
-  const TriangleMesh input = cube(6);
-  const SparseMatrix K = clamped_stiffness(input.triangles, edge_lengths(input.positions, input.triangles),
-                                           input.positions.rows());
-  Random random(9);
-  Eigen::VectorXd areas(input.n_vertices());
-  for (Eigen::Index v = 0; v < areas.size(); ++v) areas[v] = 1 + random.uniform();
-  const Eigen::VectorXd ones = Eigen::VectorXd::Ones(areas.size());
-  const Eigen::VectorXd even = regularized_areas(K, areas, Eigen::VectorXd::Zero(areas.size()), ones).areas;
-  EXPECT_NEAR(even.sum(), areas.sum(), 1e-9);
-  const auto variance = [](const Eigen::VectorXd& a) { return (a.array() - a.mean()).square().mean(); };
-  EXPECT_LT(variance(even), 0.5 * variance(areas));
-  // Where curvature differs wildly from vertex to vertex, the weights stop nearly all of it (2.30).
-  Eigen::VectorXd H(areas.size());
-  for (Eigen::Index v = 0; v < H.size(); ++v) H[v] = random.uniform();
-  EXPECT_GT(variance(regularized_areas(K, areas, H, ones, 1e-6).areas), 0.5 * variance(areas));
-}
-
 TEST(Remesh, RefusesBadInputAndOptions) {
   const TriangleMesh input = cube(3);
   EXPECT_THROW(remesh(TriangleMesh{}), InvalidInput);
@@ -317,40 +239,6 @@ TEST(Remesh, HasThinFacesOnlyBetweenKeptEdges) {
     if (smallest_angles(face).least >= 20) continue;
     for (int k = 0; k < 3; ++k) EXPECT_TRUE(kept[result.mesh.triangles(f, k)]) << f;
   }
-}
-
-// A crease of a strip that fades from 60° to nothing: it is kept while it is above 30° and then followed to
-// half of that, where an even bend beside it would be as sharp.
-TEST(FeatureChains, FollowsACreaseThatFades) {
-  const int n = 24;
-  TriangleMesh strip;
-  strip.positions.resize(3 * (n + 1), 3);
-  strip.triangles.resize(4 * n, 3);
-  for (int i = 0; i <= n; ++i) {
-    const double half = radians(60.0) / 2 * (1 - i / double(n));
-    for (int j = 0; j < 3; ++j)
-      strip.positions.row(3 * i + j) << 0.2 * i, (j - 1) * std::cos(half), std::abs(j - 1) * std::sin(half);
-    if (i == n) continue;
-    for (int j = 0; j < 2; ++j) {
-      const int a = 3 * i + j;
-      strip.triangles.row(4 * i + 2 * j) << a, a + 3, a + 4;
-      strip.triangles.row(4 * i + 2 * j + 1) << a, a + 4, a + 1;
-    }
-  }
-  const auto crease_edges = [&](double fade) {
-    HalfedgeMesh mesh(strip.positions, strip.triangles);
-    FeatureOptions options;
-    options.crease_angle = radians(30.0);
-    options.corner_angle = radians(40.0);
-    options.fade = fade;
-    mark_features(mesh, options);
-    int count = 0;
-    for (int h = 0; h < mesh.halfedge_capacity(); ++h)
-      count += mesh.is_representative(h) && mesh.is_marked(h) && !mesh.is_border_edge(h) ? 1 : 0;
-    return count;
-  };
-  EXPECT_NEAR(crease_edges(1), n / 2, 1);
-  EXPECT_NEAR(crease_edges(0.5), 3 * n / 4, 1);
 }
 
 // More vertices than one block of fit_normals() holds, so that there are blocks side by side and vertices

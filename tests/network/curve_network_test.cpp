@@ -1,7 +1,8 @@
+#include "batten/network/curve_network.hpp"
+
 #include <gtest/gtest.h>
 
 #include "batten/core/error.hpp"
-#include "batten/network/curve_network.hpp"
 
 namespace batten {
 namespace {
