@@ -69,6 +69,34 @@ TEST(Iterative, AllowsTwiceTheUnknownsByDefault) {
   EXPECT_LE(report.iterations, 90);
 }
 
+// Of digits that no double has there is no end: the limit alone ends the search, and it is not below twice
+// the unknowns.
+TEST(Iterative, DoesNotStopBeforeTwiceTheUnknowns) {
+  Eigen::MatrixXd X;
+  const IterativeReport report = solve_lsqr(random_sparse(90, 40, 3), Eigen::MatrixXd::Random(90, 1), X,
+                                            "test", {.tolerance = 1e-300, .max_iterations = 0});
+  EXPECT_FALSE(report.converged);
+  EXPECT_GE(report.iterations, 80);
+}
+
+// The unit of the right-hand side is no matter of the solver: powers of two scale every number on the way
+// without rounding, so the steps are the same and the solution is scaled to the bit.
+TEST(Iterative, DoesNotDependOnTheUnit) {
+  const SparseMatrix A = scattered(60);
+  const Eigen::VectorXd b = Eigen::VectorXd::Random(60);
+  for (const Solver solver : kSolvers) {
+    Eigen::MatrixXd X;
+    const IterativeReport expected = solve_by(solver, A, b, X, kTight);
+    for (const double scale : {0x1p-60, 0x1p60}) {
+      Eigen::MatrixXd scaled;
+      const IterativeReport report = solve_by(solver, A, scale * b, scaled, kTight);
+      EXPECT_EQ(report.iterations, expected.iterations) << static_cast<int>(solver);
+      EXPECT_EQ(report.converged, expected.converged);
+      EXPECT_EQ(scaled, scale * X) << static_cast<int>(solver);
+    }
+  }
+}
+
 // Three columns: one begins at its solution, one is zero, one has everything to do. Each is solved, and the
 // report speaks of the slowest, in whichever order they come.
 TEST(Iterative, StartsWhereItIsToldAndReportsTheSlowestColumn) {
@@ -113,6 +141,39 @@ TEST(Iterative, OneColumnThatFailsIsReported) {
     X.col(1) = x;
     EXPECT_FALSE(solve_by(solver, A, B, X, {.tolerance = 1e-14, .max_iterations = 1}).converged);
   }
+}
+
+// Each column on its own, and the report speaks of the worst, wherever it stands.
+TEST(Iterative, WithADiagonalTheWorstColumnIsReportedWhereverItStands) {
+  const SparseMatrix A = scattered(400);
+  for (const Eigen::Index hard : {0, 1}) {
+    Eigen::MatrixXd B = Eigen::MatrixXd::Zero(400, 2), X;
+    B.col(hard) = Eigen::VectorXd::Random(400);
+    const IterativeReport report = solve_conjugate_gradients(
+        A, B, X, "test",
+        {.tolerance = 1e-14, .max_iterations = 3, .preconditioner = Preconditioner::Diagonal});
+    EXPECT_FALSE(report.converged) << hard;
+    EXPECT_EQ(report.iterations, 3);
+    // The residual is that of the norm in which it is measured, √(rᵀ D⁻¹ r) over √(bᵀ D⁻¹ b).
+    const Eigen::VectorXd D = A.diagonal(), r = B.col(hard) - A * X.col(hard);
+    const double residual =
+        std::sqrt(r.cwiseAbs2().cwiseQuotient(D).sum() / B.col(hard).cwiseAbs2().cwiseQuotient(D).sum());
+    EXPECT_NEAR(report.residual, residual, 1e-9 * residual);
+  }
+}
+
+TEST(SolveQuality, CountsWhatDidNotConvergeAndKeepsTheLargestResidual) {
+  SolveQuality some, all;
+  some.add({.iterations = 4, .residual = 0.25, .converged = true});
+  EXPECT_EQ(some.unconverged, 0);
+  EXPECT_EQ(some.residual, 0.25);
+  some.add({.iterations = 9, .residual = 0.125, .converged = false});
+  EXPECT_EQ(some.unconverged, 1);
+  EXPECT_EQ(some.residual, 0.25);
+  all.add({.iterations = 1, .residual = 0.5, .converged = false});
+  all.add(some);
+  EXPECT_EQ(all.unconverged, 2);
+  EXPECT_EQ(all.residual, 0.5);
 }
 
 TEST(Iterative, RefusesNumbersThatAreNotFinite) {

@@ -46,6 +46,46 @@ TEST(SparseCholesky, TakesMatricesThatAreNotCompressed) {
   }
 }
 
+// Right-hand sides are substituted several at a time; each must come out as if it were alone, however many
+// there are: to the bit by our own substitution, to rounding by CHOLMOD's blocks.
+TEST(SparseCholesky, SolvesAnyNumberOfRightHandSidesAlike) {
+  for (const CholeskyBackend backend : backends()) {
+    SparseCholesky solver("grid", backend);
+    solver.factorize(grid_laplacian(7, 0.5));
+    for (Eigen::Index columns = 1; columns <= 17; ++columns) {
+      const Eigen::MatrixXd B = Eigen::MatrixXd::Random(49, columns), X = solver.solve(B);
+      ASSERT_EQ(X.cols(), columns);
+      for (Eigen::Index c = 0; c < columns; ++c) {
+        const Eigen::VectorXd alone = solver.solve(B.col(c));
+        if (backend == CholeskyBackend::Cholmod)
+          EXPECT_LT((X.col(c) - alone).norm(), 1e-14 * alone.norm()) << columns << ", " << c;
+        else
+          EXPECT_EQ(X.col(c), alone) << columns << ", " << c;
+      }
+    }
+  }
+}
+
+// The same number of entries in every column, elsewhere: the ordering of the first must not serve the second.
+TEST(SparseCholesky, TellsPatternsApartThatDifferInTheirRowsAlone) {
+  const auto matrix = [](int distance) {
+    SparseMatrix A(40, 40);
+    for (int i = 0; i < 40; ++i) A.insert(i, i) = 4;
+    for (int i = 0; i < 8; ++i) A.insert(i + distance, i) = A.insert(i, i + distance) = -1;
+    A.makeCompressed();
+    return SparseMatrix(A.triangularView<Eigen::Lower>());
+  };
+  for (const CholeskyBackend backend : backends()) {
+    SparseCholesky solver("pattern", backend);
+    for (const int distance : {9, 30, 17}) {
+      const SparseMatrix A = matrix(distance);
+      solver.factorize(A);
+      const Eigen::VectorXd x = Eigen::VectorXd::LinSpaced(40, 1, 2);
+      EXPECT_LT((solver.solve(A.selfadjointView<Eigen::Lower>() * x) - x).norm(), 1e-13) << distance;
+    }
+  }
+}
+
 TEST(SparseCholesky, AutoTakesCholmodForLargeSystemsOnly) {
   const auto chosen = [](Eigen::Index n) {
     SparseMatrix A(n, n);
