@@ -57,7 +57,8 @@ TEST(ExhibitPictures, ShowErrorsAndTheNetwork) {
 TEST(ExhibitPictures, AreCancelled) {
   Exhibit exhibit;
   exhibit.mesh = sphere();
-  EXPECT_THROW(exhibit_pictures(exhibit, Progress([](std::string_view, double) { return false; })), Cancelled);
+  EXPECT_THROW(exhibit_pictures(exhibit, Progress([](std::string_view, double) { return false; })),
+               Cancelled);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "batten/sketch/closing_detail.hpp"
+#include "strokes.hpp"
 
 #include <cmath>
 #include <filesystem>
@@ -11,8 +11,8 @@
 
 #include "batten/core/random.hpp"
 #include "batten/core/units.hpp"
+#include "batten/sketch/closing_detail.hpp"
 #include "batten/sketch/stroke.hpp"
-#include "strokes.hpp"
 
 namespace batten {
 namespace {
@@ -28,8 +28,7 @@ struct CircleFit {
   explicit CircleFit(const Points& points) {
     const Eigen::RowVector3d mean = points.colwise().mean();
     const Points centred = points.rowwise() - mean;
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(
-        Eigen::Matrix3d(centred.transpose() * centred));
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(Eigen::Matrix3d(centred.transpose() * centred));
     normal = axes.eigenvectors().col(0);
     const Eigen::MatrixX2d flat = centred * axes.eigenvectors().rightCols<2>();
     Eigen::MatrixX3d rows(points.rows(), 3);
@@ -84,7 +83,8 @@ Points read_pen(const std::filesystem::path& path) {
 }
 
 // Circles and lines drawn with a tracked pen: all circles are loops, told or not, and lie
-// around the best circle of the samples no worse than those do, pen slips and overlaps included; no line is one.
+// around the best circle of the samples no worse than those do, pen slips and overlaps included; no line is
+// one.
 TEST(FindClosing, TellsDrawnCirclesFromDrawnLines) {
   const std::filesystem::path folder = BATTEN_SHARED_DATA "/pen/study1_user1";
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no public data in ../shared/data/pen";
@@ -171,8 +171,8 @@ TEST(FindClosing, ClosesLoopsOfManyShapes) {
   EXPECT_LE(missed, n / 33);
 }
 
-// What a hand means to be open stays open: arcs of up to 300 degrees, hairpins, an S, an omega, a helix of one
-// and a half turns, a 6 with its tail.
+// What a hand means to be open stays open: arcs of up to 300 degrees, hairpins, an S, an omega, a helix of
+// one and a half turns, a 6 with its tail.
 TEST(FindClosing, LeavesOpenWhatIsOpen) {
   const auto sampled = [](const std::function<Vector3d(double)>& curve) {
     Points points(150, 3);
@@ -199,9 +199,7 @@ TEST(FindClosing, LeavesOpenWhatIsOpen) {
     const double a = -kPi / 2 - 0.2 - (2 * kPi - 0.4) * (t - 0.2) / 0.6;
     return Vector3d(std::cos(a), std::sin(a), 0);
   };
-  const auto helix = [](double t) {
-    return Vector3d(std::cos(3 * kPi * t), std::sin(3 * kPi * t), 1.5 * t);
-  };
+  const auto helix = [](double t) { return Vector3d(std::cos(3 * kPi * t), std::sin(3 * kPi * t), 1.5 * t); };
   const auto six = [](double t) {
     if (t < 0.35) return Vector3d(-1, 5.5 * (0.35 - t), 0);
     const double a = kPi + 2 * kPi * (t - 0.35) / 0.65;
@@ -209,8 +207,7 @@ TEST(FindClosing, LeavesOpenWhatIsOpen) {
   };
   const std::vector<std::function<Vector3d(double)>> curves{arc(180), arc(270), arc(300), hairpin,
                                                             letter_s, omega,    helix,    six};
-  for (std::size_t k = 0; k < curves.size(); ++k)
-    EXPECT_FALSE(detail::find_closing(sampled(curves[k]))) << k;
+  for (std::size_t k = 0; k < curves.size(); ++k) EXPECT_FALSE(detail::find_closing(sampled(curves[k]))) << k;
 }
 
 // A figure of eight is a loop, and one that meets itself.
@@ -230,9 +227,9 @@ TEST(FindClosing, FiguresOfEightMeetThemselves) {
 TEST(FindClosing, KeepsTheCornerWhereAPolygonBegins) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     Random random(seed);
-    Points points = strokes::polygon({Vector3d(0, 0, 0), Vector3d(1, 0, 0), Vector3d(1, 1, 0),
-                                      Vector3d(0, 1, 0), Vector3d(0.01, 0.03, 0)},
-                                     30);
+    Points points = strokes::polygon(
+        {Vector3d(0, 0, 0), Vector3d(1, 0, 0), Vector3d(1, 1, 0), Vector3d(0, 1, 0), Vector3d(0.01, 0.03, 0)},
+        30);
     for (Index i = 0; i < points.rows(); ++i)
       for (int k = 0; k < 3; ++k) points(i, k) += 0.002 * random.normal();
     const Stroke stroke = prepare_stroke(points, as_inserted(points));

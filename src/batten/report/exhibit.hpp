@@ -21,8 +21,8 @@ struct Exhibit {
 };
 
 /// Draws it in every fitting shading, each with a title and what to see in it: mesh and network together, the
-/// errors, then the mesh and the network alone. Empty where there is nothing to draw. Some tenths of a second for
-/// every picture. @throws InvalidInput as render(); Cancelled.
+/// errors, then the mesh and the network alone. Empty where there is nothing to draw. Some tenths of a second
+/// for every picture. @throws InvalidInput as render(); Cancelled.
 std::vector<ReportPicture> exhibit_pictures(const Exhibit& exhibit, const Progress& progress = {});
 
 }  // namespace batten

@@ -28,13 +28,13 @@ constexpr double kCornerGap = 0.08;   ///< the same where it closes at a corner
 constexpr double kBesides = 0.35;     ///< of the size: how far what is cut off may lie from the loop
 constexpr double kLeastLength = 1.9;  ///< of the size: any loop is longer, twice the size at least
 constexpr double kSmoothTurn = 100 * kPi / 180, kCornerTurn = 140 * kPi / 180;
-constexpr double kLeastAhead = -0.6;   ///< cosine between a wide gap and the way: omegas head away from it
-constexpr double kDirection = 0.04;    ///< of the length: the arms of directions
-constexpr double kExactSteps = 1.5;    ///< of the mean step between samples: no gap
+constexpr double kLeastAhead = -0.6;  ///< cosine between a wide gap and the way: omegas head away from it
+constexpr double kDirection = 0.04;   ///< of the length: the arms of directions
+constexpr double kExactSteps = 1.5;   ///< of the mean step between samples: no gap
 constexpr double kHook = 0.08;        ///< of the length: where pens slip when they are set down or taken off
 constexpr double kHeadsOn = 0.2;      ///< cosine between a step and the way behind the hook
-constexpr double kLeastStep = 0.4;     ///< of the mean step: from the last sample to the first
-constexpr double kTangent = 0.08;      ///< of the length: the window of the parabola at an end
+constexpr double kLeastStep = 0.4;    ///< of the mean step: from the last sample to the first
+constexpr double kTangent = 0.08;     ///< of the length: the window of the parabola at an end
 constexpr double kCurvatureGain = 0.5;  ///< of the mean curvature, by the blend
 
 /// A stroke as the search for its closing sees it.
@@ -211,15 +211,12 @@ ClosedLoop closed_loop(const Points& points, const Closing& closing) {
   if (loop.rows() < 8 || (!result.joined && gap().norm() <= kExactSteps * step)) return result;
   result.joined = true;
   const auto beginning = [&] { return direction_at_front(loop, kTangent * length); };
-  const auto end = [&] {
-    return Vector3d(-direction_at_front(loop.colwise().reverse(), kTangent * length));
-  };
+  const auto end = [&] { return Vector3d(-direction_at_front(loop.colwise().reverse(), kTangent * length)); };
   const Vector3d t0 = beginning(), t1 = end();
   if (std::atan2(t1.cross(t0).norm(), t1.dot(t0)) > kSmoothTurn) return result;  // closes at a corner
   const Vector3d way = (t0 + t1).normalized();
   // The last samples may lie past the first: the way from them back would be a fold.
-  while (loop.rows() > 8 && gap().dot(way) < kLeastStep * step)
-    loop.conservativeResize(loop.rows() - 1, 3);
+  while (loop.rows() > 8 && gap().dot(way) < kLeastStep * step) loop.conservativeResize(loop.rows() - 1, 3);
   const double ahead = gap().dot(way);
   const Vector3d aside = gap() - ahead * way;
   // A fade of half the offset over a length l has a second derivative of at most 3 |aside| / l².

@@ -271,15 +271,6 @@ EditReport insert_ready(PolylineMesh& mesh, const Stroke& stroke, const std::vec
     if (contacts.size() < 2 || contacts.back().arc < stroke.length)
       refuse_end(mesh, stroke.points.row(stroke.points.rows() - 1), "the stroke ends", snap,
                  "curve to curve");
-    const StrokeContact &start = contacts.front(), &end = contacts.back();
-    if (contacts.size() == 2 && start.edge >= 0 && start.edge == end.edge) {
-      const auto [a, b] = mesh.edge(start.edge).vertices;
-      if (!mesh.vertex(a).is_seam && !mesh.vertex(b).is_seam)
-        throw RefusedEdit(
-            concat("the stroke starts and ends on the same piece of c", mesh.edge(start.edge).curve, ", ",
-                   text_of_length(std::abs(start.edge_arc - end.edge_arc)), " apart along it"),
-            "end it on another curve, or divide this piece by a curve first");
-    }
   }
   if (stroke.closed && contacts.size() == 1)
     throw RefusedEdit(
