@@ -46,6 +46,8 @@ TriangleMesh finished_mesh(RawMesh&& raw, const std::string& path, std::vector<s
 
 /// True when the bytes can only be a binary STL: 80 bytes, a count, and exactly 50 bytes for each.
 bool is_binary_stl(std::string_view content);
+/// Whether a text begins as STL does: `solid`, in any letters.
+bool begins_as_text_stl(std::string_view content);
 
 /// Tokens of a line one after the other, without copying.
 class Tokens {

@@ -169,13 +169,13 @@ bool sniffed_format(std::string_view content, MeshFormat& format) {
     format = MeshFormat::Stl;
     return true;
   }
-  detail::Tokens tokens(content.substr(0, 200));
-  std::string_view first;
-  tokens.next(first);
-  if (first == "solid") {
+  if (detail::begins_as_text_stl(content)) {
     format = MeshFormat::Stl;
     return true;
   }
+  detail::Tokens tokens(content.substr(0, 200));
+  std::string_view first;
+  tokens.next(first);
   for (const std::string_view name : {"OFF", "COFF", "NOFF", "CNOFF", "NCOFF", "STOFF"})
     if (first == name) {
       format = MeshFormat::Off;

@@ -13,6 +13,13 @@ namespace {
 
 constexpr size_t kHeader = 84, kFacet = 50;
 
+std::string lower_case(std::string_view text) {
+  std::string result(text);
+  for (char& c : result)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return result;
+}
+
 std::uint32_t little_uint32(const char* bytes) {
   std::uint32_t value = 0;
   for (int k = 4; k-- > 0;) value = value << 8 | static_cast<unsigned char>(bytes[k]);
@@ -89,31 +96,40 @@ RawMesh parse_text(std::string content, const std::string& path) {
   while (reader.next(line)) {
     Tokens tokens(line);
     if (!tokens.next(word)) continue;
-    if (word == "vertex") {
+    const std::string keyword = lower_case(word);  // some programs write capitals
+    if (keyword == "vertex") {
       if (!in_loop) reader.fail("a vertex stands outside of 'outer loop' … 'endloop'");
       double xyz[3];
       for (double& value : xyz) value = read_finite(tokens, reader, "a coordinate");
       corners.push_back(merger.vertex(xyz[0], xyz[1], xyz[2]));
-    } else if (word == "outer") {
+    } else if (keyword == "outer") {
       in_loop = true;
       corners.clear();
-    } else if (word == "endloop") {
+    } else if (keyword == "endloop") {
       if (!in_loop || corners.size() != 3)
         reader.fail(concat("the facet has ", corners.size(), " vertices, expected 3"));
       in_loop = false;
       add_face(mesh, corners);
-    } else if (word == "solid") {
+    } else if (keyword == "solid") {
       in_solid = true;
       solid_line = reader.line_number();
-    } else if (word == "endsolid") {
+    } else if (keyword == "endsolid") {
       in_solid = false;
-    } else if (word != "facet" && word != "endfacet") {
+    } else if (keyword != "facet" && keyword != "endfacet") {
       reader.fail("expected solid, facet, outer loop, vertex, endloop, endfacet or endsolid");
     }
   }
   if (in_loop || in_solid)
     reader.fail(concat("the solid begun on line ", solid_line, " has no 'endsolid'; the file is truncated"));
   return mesh;
+}
+
+/// Some programs write something of their own behind the last facet. Whole facets there mean that the number
+/// announced is wrong.
+bool has_bytes_behind_facets(std::string_view content) {
+  if (content.size() < kHeader) return false;
+  const std::size_t announced = little_uint32(content.data() + 80), behind = content.size() - kHeader;
+  return announced > 0 && behind / kFacet >= announced && (behind - announced * kFacet) % kFacet != 0;
 }
 
 }  // namespace
@@ -123,11 +139,16 @@ bool is_binary_stl(std::string_view content) {
          (content.size() - kHeader) / kFacet == little_uint32(content.data() + 80);
 }
 
+bool begins_as_text_stl(std::string_view content) {
+  std::string_view word;
+  return Tokens(content.substr(0, 200)).next(word) && lower_case(word) == "solid";
+}
+
 RawMesh parse_stl(std::string content, const std::string& path) {
   if (is_binary_stl(content)) return parse_binary(content, path);
-  std::string_view word;
-  Tokens(std::string_view(content).substr(0, 200)).next(word);
-  if (word == "solid" && content.find('\0') == std::string::npos) return parse_text(std::move(content), path);
+  if (begins_as_text_stl(content) && content.find('\0') == std::string::npos)
+    return parse_text(std::move(content), path);
+  if (has_bytes_behind_facets(content)) return parse_binary(content, path);
   if (content.size() >= kHeader)
     throw FileError(path, 0,
                     concat("announces ", little_uint32(content.data() + 80), " facets, but ", content.size(),
