@@ -15,9 +15,11 @@ namespace batten {
 
 namespace {
 
-/// Above this many samples the noise model is searched for on every second one: its figures do not depend on
-/// the step, and the search solves some two hundred systems.
+/// Above this many samples the noise model is searched for on fewer, whose step is twice that of the samples
+/// or, while they are more, at most so large a part of the size: its figures do not depend on the step, and
+/// the search solves some fifty systems.
 constexpr int kSearchSamples = 400;
+constexpr double kSearchStep = 0.032;
 /// Curves whose lengths are only estimated: the deviation of the logarithm of their factors.
 constexpr double kEstimatedLengths = 0.15;
 
@@ -59,12 +61,17 @@ SampledScan jointly(const Scan& scan, const std::vector<CleanCurve>& clean, cons
   joint.xi = options.xi;
   joint.robust = options.robust;
   if (options.lengths == LengthChoice::Estimated) joint.scale_deviation = kEstimatedLengths;
-  if (samples.n_samples() > kSearchSamples && sampling.step > 0) {
+  if (samples.n_samples() > kSearchSamples) {
     PrefilterOptions coarse = sampling;
-    coarse.step *= 2;
+    const double step = sampling.step > 0 ? sampling.step : mean_step(samples);
+    const double thinning = static_cast<double>(samples.n_samples()) / kSearchSamples;
+    coarse.step = std::max(2 * step, std::min(kSearchStep * report.size, thinning * step));
     joint.noise = estimate_jointly(resample(scan, clean, coarse), joint, progress).noise;
   }
   const JointEstimate estimate = estimate_jointly(samples, joint, progress);
+  if (!estimate.converged)
+    report.warnings.push_back(concat("the joint estimate of frames and positions had not converged after ",
+                                     estimate.iterations, " steps"));
   report.noise = estimate.noise;
   report.iterations = estimate.iterations;
   report.evidence = estimate.evidence;

@@ -1,0 +1,76 @@
+#pragma once
+#include <array>
+#include <vector>
+
+#include "batten/scan/block_ldlt_detail.hpp"
+#include "batten/scan/samples.hpp"
+
+namespace batten {
+
+using FrameLdlt = BlockLdlt<3>;
+
+/// Two neighbouring samples of a curve.
+struct JointStep {
+  int before, after;              ///< frames
+  int sample_before;              ///< the other sample is the next
+  double length;                  ///< in sizes
+  FrameLdlt::Slot drift_to_next;  ///< blocks of both drifts
+};
+
+/// Two steps k ≤ l of a curve, at most two apart, whose rates of turn the prior of the shape joins.
+struct StepPair {
+  int k, l;
+  /// Coefficients of ω_k·ω_l in ∫|ω|², ∫|ω'|² and ∫|ω''|²; for k ≠ l of ω_l·ω_k as well.
+  std::array<double, 3> weights;
+  /// Blocks of the frames: after k with after l, before with before, after with before, before with after.
+  std::array<FrameLdlt::Slot, 4> slots;
+  BlockLdlt<1>::Slot scalar;
+};
+
+/// The steps between two nodes of a curve, whose sum the positions of the nodes must meet.
+struct JointSegment {
+  int curve;
+  int first_step, end_step;
+  double length;   ///< in sizes
+  int from, to;    ///< nodes
+  int multiplier;  ///< block of unknowns
+  FrameLdlt::Slot to_from, to_to, to_scale, own;
+  std::vector<FrameLdlt::Slot> to_frames;  ///< of the first step's frame before, then of every frame after
+};
+
+/// Sizes, numbers and slots of the joint system of a scan; nothing in it changes with the state or the noise.
+///
+/// Blocks of three unknowns each: turns of the frames, drift per sample, one multiplier per segment (the
+/// force that makes its steps meet its nodes), positions of the nodes, one log factor per curve (two of the
+/// three idle), and one multiplier for the mean of the factors. Positions between the nodes are eliminated:
+/// the multiplier stands for the whole sum of steps.
+struct JointLayout {
+  JointLayout(const SampledScan& scan, double size);
+
+  int n_curves = 0, n_samples = 0, n_nodes = 0, n_frames = 0;
+  int drift_at = 0, node_at = 0, scale_at = 0, mean_at = 0, n_blocks = 0;  ///< first blocks of each kind
+  std::vector<int> first_sample, first_step, first_pair, first_segment;    ///< per curve, and the end
+  std::vector<int> frame_of_sample;
+  std::vector<JointStep> steps;
+  std::vector<StepPair> pairs;
+  std::vector<JointSegment> segments;
+  std::vector<std::pair<int, int>> normals;  ///< frames that must agree in their normals
+  VertexNumbering vertices;
+  FrameNumbering frames;
+
+  FrameLdlt system;    ///< pattern and factor
+  BlockLdlt<1> shape;  ///< of the prior of one component of the rates of turn
+  std::vector<FrameLdlt::Slot> frame_slot, data_slot,
+      drift_slot;  ///< frame; frame with drift, drift: per sample
+  std::vector<FrameLdlt::Slot> normal_slot, node_slot, scale_slot, mean_slot;
+  FrameLdlt::Slot mean_own;
+
+ private:
+  void number(const SampledScan& scan, double size);
+  void pair_up(const SampledScan& scan);
+  void find_segments(const SampledScan& scan);
+  std::vector<std::pair<int, int>> joined() const;
+  void find_slots();
+};
+
+}  // namespace batten

@@ -1,0 +1,111 @@
+#pragma once
+#include <vector>
+
+#include "batten/core/progress.hpp"
+#include "batten/scan/joint.hpp"
+#include "batten/scan/joint_layout_detail.hpp"
+#include "batten/scan/noise_model_detail.hpp"
+
+namespace batten {
+
+/// Where the joint estimate is: what its steps change.
+struct JointState {
+  std::vector<Eigen::Matrix3d> X;  ///< frames
+  Points drift;                    ///< per sample, rotation vectors, radians
+  Points nodes;                    ///< positions of the nodes, in sizes
+  Eigen::VectorXd log_factors;     ///< per curve
+  Eigen::VectorXd trust;           ///< per sample, of the robust loss
+};
+
+/// A noise model held against the linearised problem.
+struct NoiseEvaluation {
+  double evidence = 0;             ///< −2 log of the posterior density of the noise model, up to a constant
+  NoisePrior::Coordinates slope;   ///< its derivatives by the coordinates of NoisePrior; where asked for
+  NoisePrior::Coordinates weight;  ///< its second derivatives, about, diagonal alone, positive
+  Eigen::VectorXd step;            ///< to the optimum of frames, drift, positions and factors
+};
+
+/// The problem behind estimate_jointly(), linearised at a state, for many noise models.
+///
+/// Residuals: readings, drift, shape, agreement of the normals, sums of steps of the segments, factors. In
+/// place of the positions between nodes a segment has one multiplier, so that the system is quasi-definite;
+/// its determinant is that of the definite one up to a constant. O(samples) for networks that are not sheets.
+class JointModel {
+ public:
+  /// @param scan must outlive the model.
+  JointModel(const SampledScan& scan, const JointOptions& options);
+
+  const JointLayout& layout() const { return layout_; }
+  JointState& state() { return state_; }
+  const NoisePrior& prior() const { return prior_; }
+
+  /// The deviation of normals at a node, from the noise of the readings that it starts with.
+  void set_normal_deviation(double white);
+  /// Residuals and derivatives at the present state.
+  void linearize(const Progress& progress);
+  /// @throws SolverFailure, Cancelled.
+  NoiseEvaluation evaluate(const NoiseModel& noise, bool with_slope, const Progress& progress);
+  /// Moves the state. @return the largest turn of a frame, radians.
+  double apply(const Eigen::VectorXd& step);
+  /// Weights of the robust loss: 1 up to four standard deviations, then falling as the fourth power of the
+  /// residual. Below one degree nothing is distrusted: with exact data that would be the error of the steps.
+  void update_trust(double white);
+  /// Posterior deviations of the factors about their mean. @pre evaluate() has succeeded.
+  Eigen::VectorXd factor_deviation(const Progress& progress);
+
+ private:
+  /// A reading: residual log(A Xᵀ) − b and its derivative by the frame, −J.
+  struct Datum {
+    Eigen::Vector3d residual;
+    Eigen::Matrix3d J;
+    double readings;  ///< how many stand behind it, times their trust
+  };
+  /// Weights of the residuals, per kind.
+  struct Weights {
+    double white, scale;
+    std::array<double, 3> shape;
+    double drift;  ///< at the start of a curve
+    /// Per step: φ, its derivative by log ℓ, and 1 / innovation.
+    std::vector<double> drift_decay, drift_decay_slope, drift_precision;
+  };
+  /// Sums of squares of residuals per kind; those of the drift with its weights, and their derivative by log
+  /// ℓ.
+  struct Moments {
+    double white = 0, drift = 0, drift_length = 0;
+    std::array<double, 3> shape{};
+  };
+
+  Weights weights_of_noise(const NoiseModel& noise) const;
+  void assemble(const Weights& weights, const Progress& progress);
+  void assemble_curve(int c, const Weights& weights);
+  void assemble_nodes(const Weights& weights);
+  void add_drift_step(int s, const Weights& weights, double s00, double s01, double s11, Moments& m) const;
+  Moments squares_of_curve(int c, const Weights& weights, const Eigen::VectorXd& delta) const;
+  Moments traces_of_curve(int c, const Weights& weights) const;
+  template <typename OfCurve>
+  Moments sum_over_curves(const OfCurve& of_curve) const;
+  double constraint_energy(const Eigen::VectorXd& delta) const;
+  double log_determinant_of_shape(const Weights& weights, bool with_traces, std::array<double, 3>& traces);
+  Eigen::Vector3d reading_residual(int curve, int k) const;
+  void linearize_curve(int c);
+  void add_pair(const StepPair& pair, const Eigen::Matrix3d& block);
+
+  const SampledScan& scan_;
+  JointOptions options_;
+  NoisePrior prior_;
+  JointLayout layout_;
+  JointState state_;
+  double normal_precision_ = 0;
+
+  std::vector<Datum> data_;                ///< per sample
+  std::vector<Eigen::Vector3d> omega_;     ///< per step, rate of turn
+  std::vector<Eigen::Matrix3d> omega_by_;  ///< its derivative by the turn of the frame after less that before
+  std::vector<Eigen::Matrix3d> gram_;      ///< per pair of steps
+  std::vector<Eigen::Vector3d> misfit_;    ///< per segment
+  std::vector<Eigen::Vector3d> reach_;     ///< per segment, the sum of its steps
+  std::vector<std::vector<Eigen::Matrix3d>> misfit_by_;  ///< per segment and frame
+  Eigen::VectorXd right_;
+  int n_data_ = 0;
+};
+
+}  // namespace batten

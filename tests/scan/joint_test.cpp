@@ -1,0 +1,199 @@
+#include "batten/scan/joint.hpp"
+
+#include "scan/scan_fixtures.hpp"
+
+#include <gtest/gtest.h>
+
+#include "batten/core/error.hpp"
+#include "batten/core/parallel.hpp"
+#include "batten/scan/integration.hpp"
+#include "batten/scan/joint_model_detail.hpp"
+#include "batten/scan/prefilter.hpp"
+
+namespace batten {
+namespace {
+
+SampledScan noisy_samples(AnalyticShape shape, bool wrap = false) {
+  const TracedNetwork traced = trace_shape(shape);
+  const Scan scan = simulate_scan(traced, test::noisy_device(2)).scan;
+  std::vector<std::string> warnings;
+  PrefilterOptions options;
+  options.step = 0.05 * traced.diameter;
+  options.wrap = wrap;
+  return resample(scan, clean_readings(scan, {}, warnings), options);
+}
+
+JointOptions options_of(AnalyticShape shape) {
+  JointOptions options;
+  options.size = trace_shape(shape).diameter;
+  options.reading_noise = radians(2);
+  return options;
+}
+
+/// A model linearised at the frames of the readings.
+JointModel model_at_readings(const SampledScan& scan, const JointOptions& options) {
+  JointModel model(scan, options);
+  const JointLayout& layout = model.layout();
+  for (int c = 0; c < layout.n_curves; ++c)
+    for (int k = 0; k < scan.curves[c].n_samples(); ++k)
+      model.state().X[layout.frames.frames[c][k]] = scan.curves[c].frames[k];
+  model.set_normal_deviation(options.reading_noise);
+  model.linearize({});
+  return model;
+}
+
+TEST(JointModel, SlopesAreTheDerivativesOfTheEvidence) {
+  for (const AnalyticShape shape : {AnalyticShape::Sphere, AnalyticShape::Dish}) {
+    for (const bool wrap : {false, true}) {
+      const SampledScan scan = noisy_samples(shape, wrap);
+      JointModel model = model_at_readings(scan, options_of(shape));
+      NoisePrior::Coordinates u = NoisePrior::Coordinates::Zero();
+      u[NoisePrior::kScale] = 0.3;
+      u[NoisePrior::kDrift] = -0.2;
+      const auto evidence = [&](const NoisePrior::Coordinates& at) {
+        return model.evaluate(model.prior().at(at), false, {}).evidence;
+      };
+      const NoiseEvaluation here = model.evaluate(model.prior().at(u), true, {});
+      EXPECT_DOUBLE_EQ(here.evidence, evidence(u));
+      for (int i = 0; i < NoisePrior::kFigures; ++i) {
+        constexpr double h = 1e-3;
+        NoisePrior::Coordinates more = u, less = u;
+        more[i] += h;
+        less[i] -= h;
+        const double slope = (evidence(more) - evidence(less)) / (2 * h);
+        EXPECT_NEAR(here.slope[i], slope, 1e-4 * (10 + std::abs(slope))) << "figure " << i;
+      }
+    }
+  }
+}
+
+TEST(JointModel, SegmentsMeetTheirNodesAfterAFewSteps) {
+  // The multipliers stand for the positions between the nodes: what is left open is the slip, 1e-4 √L sizes
+  // times the force that holds it.
+  const SampledScan scan = noisy_samples(AnalyticShape::Sphere);
+  const JointOptions options = options_of(AnalyticShape::Sphere);
+  JointModel model = model_at_readings(scan, options);
+  const NoiseModel noise = model.prior().centre();
+  double turn = 1;
+  for (int i = 0; i < 20 && turn > 1e-8; ++i) {
+    turn = model.apply(model.evaluate(noise, false, {}).step);
+    model.linearize({});
+  }
+  EXPECT_LT(turn, 1e-6);
+  const JointState& state = model.state();
+  const JointLayout& layout = model.layout();
+  for (const JointSegment& segment : layout.segments) {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (int s = segment.first_step; s < segment.end_step; ++s) {
+      const JointStep& step = layout.steps[s];
+      sum += frame_step(state.X[step.before], state.X[step.after],
+                        std::exp(state.log_factors[segment.curve]) * step.length, StepRule::ConstantRate);
+    }
+    EXPECT_LT((state.nodes.row(segment.to) - state.nodes.row(segment.from) - sum.transpose()).norm(), 2e-5);
+  }
+}
+
+TEST(NoisePrior, HasItsCentreWithinItsLimits) {
+  for (const double deviation : {0.0, 0.15}) {
+    for (const double noise : {0.0, 1e-5, 0.02, 0.3}) {
+      JointOptions options;
+      options.reading_noise = noise;
+      options.scale_deviation = deviation;
+      const NoisePrior prior(options);
+      for (int i = 0; i < NoisePrior::kFigures; ++i) {
+        EXPECT_LE(prior.low()[i], 0);
+        EXPECT_GE(prior.high()[i], 0);
+      }
+      const NoisePrior::Coordinates u = NoisePrior::Coordinates::LinSpaced(-1, 2);
+      EXPECT_LT((prior.coordinates(prior.at(u)) - u).norm(), 1e-12);
+    }
+  }
+}
+
+TEST(EstimateJointly, FindsTheNoiseOfTheDevice) {
+  // Simulated: 2° white, 1° drift. The mean of the readings of a sample follows them a little.
+  const JointOptions options = options_of(AnalyticShape::Torus);
+  const JointEstimate estimate = estimate_jointly(noisy_samples(AnalyticShape::Torus), options);
+  EXPECT_TRUE(estimate.converged);
+  EXPECT_GT(estimate.noise.white, radians(2) / 2);
+  EXPECT_LT(estimate.noise.white, radians(2) * 2);
+  EXPECT_GT(estimate.noise.drift, radians(1) / 2);
+  EXPECT_LT(estimate.noise.drift, radians(1) * 2);
+  // Thirteen kinds, two searches, their steps.
+  EXPECT_LE(estimate.evaluations, 80);
+}
+
+TEST(EstimateJointly, NoNeighbouringNoiseModelIsBetter) {
+  const SampledScan scan = noisy_samples(AnalyticShape::Dish);
+  JointOptions options = options_of(AnalyticShape::Dish);
+  options.robust = false;  // else every noise model trusts other samples
+  const JointEstimate best = estimate_jointly(scan, options);
+  const NoisePrior prior(options);
+  // The normals are held by the noise that a run starts with, so the same start is needed: the centre.
+  JointModel model = model_at_readings(scan, options);
+  const JointLayout& layout = model.layout();
+  for (int c = 0; c < layout.n_curves; ++c)
+    for (int k = 0; k < scan.curves[c].n_samples(); ++k)
+      model.state().X[layout.frames.frames[c][k]] = best.scan.curves[c].frames[k];
+  model.set_normal_deviation(prior.centre().white);
+  model.linearize({});
+  for (int i = 0; i < 10; ++i) {
+    model.apply(model.evaluate(best.noise, false, {}).step);
+    model.linearize({});
+  }
+  const double least = model.evaluate(best.noise, false, {}).evidence;
+  for (int i = 0; i < NoisePrior::kFigures; ++i) {
+    for (const double change : {0.8, 1.25}) {
+      NoiseModel other = best.noise;
+      other.*prior[i].figure *= change;
+      EXPECT_GT(model.evaluate(other, false, {}).evidence, least - 0.5) << "figure " << i;
+    }
+  }
+}
+
+TEST(EstimateJointly, GivesTheSameBitsForEveryNumberOfThreads) {
+  const SampledScan scan = noisy_samples(AnalyticShape::Waves);
+  const auto estimated = [&](int threads) {
+    set_thread_count(threads);
+    JointEstimate estimate = estimate_jointly(scan, options_of(AnalyticShape::Waves));
+    set_thread_count(0);
+    return estimate;
+  };
+  const JointEstimate one = estimated(1);
+  for (const int threads : {2, 3}) {
+    const JointEstimate other = estimated(threads);
+    EXPECT_EQ(other.evidence, one.evidence);
+    EXPECT_EQ(other.factor_deviation, one.factor_deviation);
+    for (size_t c = 0; c < one.scan.curves.size(); ++c)
+      EXPECT_EQ(other.scan.curves[c].frames, one.scan.curves[c].frames);
+  }
+}
+
+TEST(EstimateJointly, CanBeCancelledAtEveryReport) {
+  const SampledScan scan = noisy_samples(AnalyticShape::Sphere);
+  const JointOptions options = options_of(AnalyticShape::Sphere);
+  long reports = 0;
+  const Progress counted([&](std::string_view, double fraction) {
+    EXPECT_GE(fraction, 0);
+    EXPECT_LE(fraction, 1);
+    ++reports;
+    return true;
+  });
+  estimate_jointly(scan, options, counted);
+  EXPECT_GT(reports, 100);
+  for (const double share : {0.0, 0.3, 0.9}) {
+    long left = static_cast<long>(share * static_cast<double>(reports));
+    EXPECT_THROW(
+        estimate_jointly(scan, options, Progress([&](std::string_view, double) { return left-- > 0; })),
+        Cancelled);
+  }
+}
+
+TEST(EstimateJointly, RefusesAScanWithoutSize) {
+  JointOptions options = options_of(AnalyticShape::Sphere);
+  options.size = 0;
+  EXPECT_THROW(estimate_jointly(noisy_samples(AnalyticShape::Sphere), options), InvalidInput);
+}
+
+}  // namespace
+}  // namespace batten
