@@ -199,7 +199,8 @@ struct Deformer::Implementation {
 
   /// Factorises c_b K M⁻¹ K + T (+ soft weights) for the unknowns.
   void factorize(double bending_factor, const SparseMatrix& T, const std::vector<int>& index_of_unknown,
-                 const std::vector<int>& index_of_known) {
+                 const std::vector<int>& index_of_known, const Progress& progress) {
+    progress.report("factorising", 0.1);
     const auto u = static_cast<Eigen::Index>(unknowns.size());
     const auto c = is_soft() ? Eigen::Index{0} : static_cast<Eigen::Index>(constrained.size());
     SparseMatrix lower(u, u);
@@ -225,7 +226,8 @@ struct Deformer::Implementation {
       lower += weights;
     }
     lower.makeCompressed();
-    cholesky.factorize(lower);
+    progress.report("factorising", 0.3);
+    cholesky.factorize(lower, progress.part("factorising", 0.3, 1));
   }
 
   /// Constrained vertices that hang together along edges and, as parts of one handle, mostly move as one.
@@ -383,10 +385,11 @@ struct Deformer::Implementation {
 };
 
 Deformer::Deformer(const Points& positions, const Triangles& triangles, std::vector<int> constrained,
-                   const DeformOptions& options)
+                   const DeformOptions& options, const Progress& progress)
     : implementation_(std::make_unique<Implementation>()) {
   Implementation& self = *implementation_;
   if (const auto problem = options.problem()) throw InvalidInput(*problem);
+  progress.report("factorising", 0);
   const Eigen::Index n = positions.rows();
   self.options = options;
   self.rest = positions;
@@ -403,12 +406,14 @@ Deformer::Deformer(const Points& positions, const Triangles& triangles, std::vec
       throw InvalidInput(concat("vertex ", v, " is constrained twice; name it once"));
     index_of_known[v] = static_cast<int>(c);
   }
+  progress.report("factorising", 0);
   const EdgeLengths lengths = mollified(edge_lengths(positions, triangles));
   self.K = cotangent_stiffness(triangles, lengths, n);
   // Rotations are fitted with weights of at least 0; the energies that follow them must have the same, or the
   // alternation need not descend.
   if (options.detail != DetailPreservation::None) clamp_weights(self.K);
   const Eigen::VectorXd mass = lumped_mass(triangles, lengths, n);
+  progress.report("factorising", 0.05);
   const std::vector<int> part = parts(triangles, n);
   std::vector<char> held(n, 0), used(n, 0);
   for (const int v : self.constrained) held[part[v]] = 1;
@@ -454,7 +459,7 @@ Deformer::Deformer(const Points& positions, const Triangles& triangles, std::vec
   const auto factorize = [&] {
     SparseMatrix T = self.second_order;
     if (self.membrane.nonZeros() > 0) T = T.nonZeros() > 0 ? SparseMatrix(T + self.membrane) : self.membrane;
-    self.factorize(self.bending + detail, T, index_of_unknown, index_of_known);
+    self.factorize(self.bending + detail, T, index_of_unknown, index_of_known, progress);
   };
   if (options.energy == DeformationEnergy::TotalCurvature && options.curvature_term > 0) {
     const Curvatures curvatures = discrete_curvatures(positions, triangles);
@@ -506,6 +511,7 @@ Deformer::Result Deformer::deform(const Points& targets, const Points* start,
   if (start != nullptr && start->rows() != n)
     throw InvalidInput(concat("the start has ", start->rows(), " positions, but the mesh ", n, " vertices"));
 
+  progress.report("deforming", 0);
   Result result;
   if (start != nullptr) {
     result.positions = *start;
@@ -529,6 +535,9 @@ Deformer::Result Deformer::deform(const Points& targets, const Points* start,
   AndersonAcceleration acceleration(kAccelerationDepth);
   double damping = 1, last_move = std::numeric_limits<double>::infinity();
   result.report.converged = false;
+  const auto report = [&] {
+    progress.report("deforming", static_cast<double>(result.report.iterations) / self.options.max_iterations);
+  };
   while (!result.report.converged && result.report.iterations < self.options.max_iterations) {
     Points next;
     if (gauss_newton) {
@@ -536,6 +545,7 @@ Deformer::Result Deformer::deform(const Points& targets, const Points* start,
                         result.positions);
     } else {
       fit_local_rotations(self.K, self.rest, result.positions, rotations);
+      report();
       next = self.solve(self.turned_rest(rotations), targets, result.positions);
     }
     const double move = (next - result.positions).rowwise().norm().maxCoeff();
@@ -560,7 +570,7 @@ Deformer::Result Deformer::deform(const Points& targets, const Points* start,
       acceleration.advance(result.positions, next, accelerate ? kMixing : 1);
     }
     last_move = move;
-    progress.report("deforming", static_cast<double>(result.report.iterations) / self.options.max_iterations);
+    report();
   }
   return result;
 }

@@ -90,9 +90,9 @@ class Deformer {
   /// @param constrained the vertices that will be given targets: fixed ones and handles, in any order.
   /// @throws InvalidInput on a vertex out of range or named twice, a part of the mesh without any constrained
   /// vertex (its place is open), a triangle list that is no oriented manifold, or an option out of range.
-  /// @throws SolverFailure when the system is not positive definite (degenerate triangles).
+  /// @throws SolverFailure when the system is not positive definite (degenerate triangles); Cancelled.
   Deformer(const Points& positions, const Triangles& triangles, std::vector<int> constrained,
-           const DeformOptions& options = {});
+           const DeformOptions& options = {}, const Progress& progress = {});
   ~Deformer();
   Deformer(Deformer&&) noexcept;
   Deformer& operator=(Deformer&&) noexcept;

@@ -128,7 +128,7 @@ MultiresolutionDeformer::MultiresolutionDeformer(const Points& positions, const 
   DeformOptions fine = options.deform;
   if (positions.rows() > options.base_vertices) fine.max_iterations = options.fine_iterations;
   // Checks the input, too.
-  self.fine = std::make_unique<Deformer>(positions, triangles, constrained, fine);
+  self.fine = std::make_unique<Deformer>(positions, triangles, constrained, fine, progress);
   if (positions.rows() <= options.base_vertices) {
     self.base.positions = positions;
     self.base.triangles = triangles;
@@ -160,7 +160,7 @@ MultiresolutionDeformer::MultiresolutionDeformer(const Points& positions, const 
       self.rows.push_back(std::move(rows[v]));
     }
   const std::vector<ClosestPoint> closest =
-      TriangleTree(self.base.positions, self.base.triangles).closest(positions);
+      TriangleTree(self.base.positions, self.base.triangles).closest(positions, progress);
   for (const ClosestPoint& point : closest) {
     Binding binding{};
     for (int k = 0; k < 3; ++k) {
@@ -170,7 +170,7 @@ MultiresolutionDeformer::MultiresolutionDeformer(const Points& positions, const 
     self.bindings.push_back(binding);
   }
   self.coarse = std::make_unique<Deformer>(self.base.positions, self.base.triangles, self.base_constrained,
-                                           options.deform);
+                                           options.deform, progress);
 }
 
 MultiresolutionDeformer::~MultiresolutionDeformer() = default;

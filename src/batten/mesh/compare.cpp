@@ -40,13 +40,14 @@ Eigen::VectorXd normal_angles(const Shape& from, const std::vector<int>& faces, 
 }
 
 DirectedComparison measure(const Shape& from, const Shape& to_shape, const ShapeTree& to,
-                           const CompareOptions& options, std::uint64_t stream) {
+                           const CompareOptions& options, std::uint64_t stream, const Progress& progress) {
   DirectedComparison result;
+  progress.report("compare", 0);
   const std::vector<int> vertices = used_vertices(from);
   Points used(static_cast<Eigen::Index>(vertices.size()), 3);
   for (std::size_t i = 0; i < vertices.size(); ++i)
     used.row(static_cast<Eigen::Index>(i)) = from.positions.row(vertices[i]);
-  const Eigen::VectorXd at_vertices = distances(to.closest(used));
+  const Eigen::VectorXd at_vertices = distances(to.closest(used, progress.part("compare", 0, 0.5)));
   result.vertices = distance_figures(at_vertices);
   result.vertex_distances =
       Eigen::VectorXd::Constant(from.positions.rows(), std::numeric_limits<double>::quiet_NaN());
@@ -54,8 +55,8 @@ DirectedComparison measure(const Shape& from, const Shape& to_shape, const Shape
     result.vertex_distances[vertices[i]] = at_vertices[static_cast<Eigen::Index>(i)];
   Random random(options.seed, stream);
   std::vector<int> elements;
-  const std::vector<ClosestPoint> nearest =
-      to.closest(sample_uniformly(from, options.samples, random, &elements));
+  const Points samples = sample_uniformly(from, options.samples, random, &elements);
+  const std::vector<ClosestPoint> nearest = to.closest(samples, progress.part("compare", 0.5, 1));
   result.samples = distance_figures(distances(nearest));
   if (from.is_surface() && to_shape.is_surface())
     result.normal_angles = distance_figures(normal_angles(from, elements, to_shape, nearest));
@@ -72,7 +73,9 @@ std::optional<std::string> CompareOptions::problem() const {
 Comparison compare(const Shape& a, const Shape& b, const CompareOptions& options, const Progress& progress) {
   if (const auto problem = options.problem()) throw InvalidInput(*problem);
   Comparison comparison;
+  progress.report("compare", 0);
   const ShapeTree tree_b(b);
+  progress.report("compare", 0);
   { const ShapeTree check(a); }
   comparison.diameter = diameter(b);
   if (!(comparison.diameter > 0))
@@ -88,10 +91,10 @@ Comparison compare(const Shape& a, const Shape& b, const CompareOptions& options
   } else {
     comparison.registration.converged = true;
   }
-  progress.report("compare", 0);
-  comparison.a_to_b = measure(moved, b, tree_b, options, 3);
+  comparison.a_to_b = measure(moved, b, tree_b, options, 3, progress.part("compare", 0, 0.5));
   progress.report("compare", 0.5);
-  comparison.b_to_a = measure(b, moved, ShapeTree(moved), options, 4);
+  const ShapeTree tree_a(moved);
+  comparison.b_to_a = measure(b, moved, tree_a, options, 4, progress.part("compare", 0.5, 1));
   return comparison;
 }
 

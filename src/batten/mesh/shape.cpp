@@ -22,8 +22,8 @@ ClosestPoint ShapeTree::closest(const Vector3d& query) const {
   return triangles_ ? triangles_->closest(query) : segments_->closest(query);
 }
 
-std::vector<ClosestPoint> ShapeTree::closest(const Points& queries) const {
-  return triangles_ ? triangles_->closest(queries) : segments_->closest(queries);
+std::vector<ClosestPoint> ShapeTree::closest(const Points& queries, const Progress& progress) const {
+  return triangles_ ? triangles_->closest(queries, progress) : segments_->closest(queries, progress);
 }
 
 std::vector<int> used_vertices(const Shape& shape) {

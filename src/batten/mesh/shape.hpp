@@ -25,7 +25,7 @@ class ShapeTree {
   explicit ShapeTree(const Shape& shape);
 
   ClosestPoint closest(const Eigen::Vector3d& query) const;
-  std::vector<ClosestPoint> closest(const Points& queries) const;
+  std::vector<ClosestPoint> closest(const Points& queries, const Progress& progress = {}) const;
 
  private:
   std::optional<TriangleTree> triangles_;

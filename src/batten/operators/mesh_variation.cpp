@@ -73,7 +73,7 @@ struct Matches {
   std::vector<int> original, nearest;
 };
 
-Matches matches(const Measured& original, const Measured& other) {
+Matches matches(const Measured& original, const Measured& other, const Progress& progress) {
   // The nearest of points: of segments without length.
   Segments points(static_cast<Eigen::Index>(other.vertices.size()), 2);
   for (std::size_t i = 0; i < other.vertices.size(); ++i)
@@ -82,7 +82,7 @@ Matches matches(const Measured& original, const Measured& other) {
   for (std::size_t i = 0; i < original.vertices.size(); ++i)
     queries.row(static_cast<Eigen::Index>(i)) = original.positions.row(original.vertices[i]);
   Matches result{original.vertices, {}};
-  for (const ClosestPoint& closest : SegmentTree(other.positions, points).closest(queries))
+  for (const ClosestPoint& closest : SegmentTree(other.positions, points).closest(queries, progress))
     result.nearest.push_back(other.vertices[closest.element]);
   return result;
 }
@@ -123,9 +123,12 @@ double area_variance(const Points& positions, const Triangles& triangles) {
 
 MeshVariation mesh_variation(const Points& original_positions, const Triangles& original_triangles,
                              const Points& positions, const Triangles& triangles,
-                             const MeshVariationOptions& options) {
+                             const MeshVariationOptions& options, const Progress& progress) {
+  progress.report("variation", 0);
   Measured before(original_positions, original_triangles, options.original_left_out);
+  progress.report("variation", 0.3);
   Measured after(positions, triangles, options.left_out);
+  progress.report("variation", 0.6);
   if (options.relative_edges) {
     const double mean_before = mean_edge(original_positions, original_triangles),
                  mean_after = mean_edge(positions, triangles);
@@ -133,7 +136,7 @@ MeshVariation mesh_variation(const Points& original_positions, const Triangles& 
     if (mean_after > 0) after.edge_variance /= mean_after * mean_after;
   }
   double change = 0, size = 0, edge_change = 0, edge_size = 0;
-  const Matches pairs = matches(before, after);
+  const Matches pairs = matches(before, after, progress.part("variation", 0.7, 1));
   for (std::size_t i = 0; i < pairs.original.size(); ++i) {
     const int v = pairs.original[i], u = pairs.nearest[i];
     edge_change += std::pow(after.edge_variance[u] - before.edge_variance[v], 2);

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 
 #include "batten/core/arrays.hpp"
+#include "batten/core/progress.hpp"
 
 namespace batten {
 
@@ -40,10 +41,10 @@ struct MeshVariationOptions {
 };
 
 /// @throws InvalidInput when a mesh has no triangles or an option not the size of its mesh, and as
-/// discrete_curvatures() where one is no manifold.
+/// discrete_curvatures() where one is no manifold; Cancelled.
 MeshVariation mesh_variation(const Points& original_positions, const Triangles& original_triangles,
                              const Points& positions, const Triangles& triangles,
-                             const MeshVariationOptions& options = {});
+                             const MeshVariationOptions& options = {}, const Progress& progress = {});
 
 /// Marks (1) the vertices on edges whose faces turn by more than `angle`, radians: there the discrete mean
 /// curvature is that of the edge, in inverse proportion to the size of the triangles.

@@ -53,7 +53,7 @@ Deformer::Result deform_directly(const TriangleMesh& mesh, const Handles& handle
   std::optional<Deformer> deformer;
   {
     const ScopedStage stage(result.times, "factorise");
-    deformer.emplace(mesh.positions, mesh.triangles, handles.vertices(), options);
+    deformer.emplace(mesh.positions, mesh.triangles, handles.vertices(), options, progress);
   }
   result.curvature_term = deformer->curvature_term();
   const ScopedStage stage(result.times, "deform");

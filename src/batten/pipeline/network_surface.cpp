@@ -40,7 +40,9 @@ SurfaceOptions surface_options(const NetworkSurfaceOptions& options, double diam
   return surface;
 }
 
-NetworkSurface checked(SurfaceResult surface, const CurveNetwork& network) {
+constexpr std::size_t kMostCrossings = 1000;
+
+NetworkSurface checked(SurfaceResult surface, const CurveNetwork& network, const Progress& progress) {
   NetworkSurface result;
   result.times = std::move(surface.times);
   result.warnings = std::move(surface.warnings);
@@ -53,9 +55,13 @@ NetworkSurface checked(SurfaceResult surface, const CurveNetwork& network) {
   result.mesh = without_loose_vertices(std::move(surface.mesh));
   {
     const ScopedStage stage(result.times, "check");
+    progress.report("check", 0);
     result.topology = mesh_topology(result.mesh.triangles, result.mesh.n_vertices());
+    progress.report("check", 0.2);
     result.quality = mesh_quality(result.mesh.positions, result.mesh.triangles);
-    result.crossing_pairs = self_intersections(result.mesh.positions, result.mesh.triangles).size();
+    result.crossing_pairs = self_intersections(result.mesh.positions, result.mesh.triangles, kMostCrossings,
+                                               progress.part("check", 0.3, 1))
+                                .size();
   }
   if (result.crossing_pairs > 0)
     result.warnings.push_back(concat("the surface crosses itself at ", result.crossing_pairs,
@@ -79,7 +85,7 @@ std::optional<std::string> NetworkSurfaceOptions::problem() const {
 NetworkSurface network_surface(const CurveNetwork& network, const NetworkSurfaceOptions& options,
                                const Progress& progress) {
   const SurfaceOptions surface = surface_options(options, bounding_box_diagonal(network.positions));
-  return checked(surface_network(network, surface, progress), network);
+  return checked(surface_network(network, surface, progress), network, progress);
 }
 
 NetworkSurface network_surface(const CurveNetwork& network, const std::vector<NetworkCycle>& cycles,
@@ -88,7 +94,7 @@ NetworkSurface network_surface(const CurveNetwork& network, const std::vector<Ne
   SurfaceResult filled = surface_network(network, cycles, surface, progress);
   FlatteningReport flattening;
   if (options.flatten_crossings) flattening = flatten_crossing_patches(filled, progress);
-  NetworkSurface result = checked(std::move(filled), network);
+  NetworkSurface result = checked(std::move(filled), network, progress);
   result.flattening = std::move(flattening);
   return result;
 }

@@ -47,8 +47,9 @@ ShapeComparison compared_shapes(const Shape& a, const Shape& b, const CompareOpt
   if (a.is_surface() && b.is_surface()) {
     const ScopedStage stage(result.times, "variation");
     if (is_oriented_manifold(a) && is_oriented_manifold(b))
-      result.variation = mesh_variation(b.positions, b.triangles,
-                                        result.distances.registration.transform(a.positions), a.triangles);
+      result.variation =
+          mesh_variation(b.positions, b.triangles, result.distances.registration.transform(a.positions),
+                         a.triangles, {}, progress);
   }
   return result;
 }

@@ -10,6 +10,10 @@
 
 namespace batten {
 
+namespace {
+constexpr std::size_t kMostCrossings = 1000;
+}
+
 std::optional<std::string> SimplifiedMeshOptions::problem() const {
   if (!max_error) return simplify.problem();
   if (!(max_error->value > 0 && std::isfinite(max_error->value)))
@@ -36,11 +40,15 @@ SimplifiedMesh simplified_mesh(const TriangleMesh& mesh, const SimplifiedMeshOpt
   const ScopedStage stage(result.times, "check");
   const TriangleMesh& small = result.simplified.mesh;
   result.removed = 1 - static_cast<double>(small.n_triangles()) / static_cast<double>(mesh.n_triangles());
-  result.distances =
-      compare({mesh.positions, mesh.triangles, {}}, {small.positions, small.triangles, {}}, {}, progress);
+  result.distances = compare({mesh.positions, mesh.triangles, {}}, {small.positions, small.triangles, {}}, {},
+                             progress.part("check", 0, 0.6));
   result.quality = mesh_quality(small.positions, small.triangles);
-  result.input_crossings = self_intersections(mesh.positions, mesh.triangles).size();
-  result.crossings = self_intersections(small.positions, small.triangles).size();
+  const auto crossings = [&](const TriangleMesh& of, double from, double to) {
+    return self_intersections(of.positions, of.triangles, kMostCrossings, progress.part("check", from, to))
+        .size();
+  };
+  result.input_crossings = crossings(mesh, 0.6, 0.9);
+  result.crossings = crossings(small, 0.9, 1);
   return result;
 }
 

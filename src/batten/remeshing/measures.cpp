@@ -88,7 +88,8 @@ RemeshMeasures remesh_measures(const TriangleMesh& original, const TriangleMesh&
   options.left_out = vertices_on_creases(after.positions, after.triangles, crease_angle);
   options.relative_edges = true;
   const MeshVariation variation =
-      mesh_variation(before.positions, before.triangles, after.positions, after.triangles, options);
+      mesh_variation(before.positions, before.triangles, after.positions, after.triangles, options,
+                     progress.part("measuring", 0.1, 0.5));
   measures.curvature_change = known(variation.mean_curvature);
   measures.edge_variance_change = known(variation.edge_variance);
   measures.area_variance_change = known(variation.area_variance);
@@ -97,8 +98,11 @@ RemeshMeasures remesh_measures(const TriangleMesh& original, const TriangleMesh&
   progress.report("measuring", 0.5);
   const TriangleTree tree(after.positions, after.triangles);
   const double diameter = bounding_box_diagonal(before.positions);
-  if (diameter > 0) measures.mean_distance = distances(tree.closest(before.positions)).mean() / diameter;
+  if (diameter > 0)
+    measures.mean_distance =
+        distances(tree.closest(before.positions, progress.part("measuring", 0.5, 0.8))).mean() / diameter;
 
+  progress.report("measuring", 0.8);
   measures.normal_error = normal_error(before, after, tree);
   return measures;
 }
