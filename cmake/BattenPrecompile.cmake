@@ -22,3 +22,18 @@ endfunction()
 
 set(BATTEN_COMMON_HEADERS <Eigen/Dense> <Eigen/Sparse> <algorithm> <array> <cmath> <functional> <limits> <map> <memory>
                           <numeric> <optional> <string> <string_view> <utility> <vector>)
+
+# Sources of a target that are compiled as one: templates of Eigen, CLI11 and nlohmann that several of them use are compiled
+# once (six seconds in every command). What stands in their unnamed namespaces has to have names of its own. Builds without
+# batches (with a compiler cache, for the browser) see to it that every source includes what it uses.
+#
+#   batten_compile_together(<target> <source>...)
+function(batten_compile_together target)
+  if(BATTEN_BATCHES)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+    list(GET ARGN 0 group)
+    set_source_files_properties(${ARGN} PROPERTIES UNITY_GROUP ${target}_${group})
+    # Types of an unnamed namespace in a class of a source: there is one such source, wherever it is included.
+    target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
+  endif()
+endfunction()

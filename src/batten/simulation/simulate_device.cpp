@@ -19,7 +19,7 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 // Streams of random numbers, apart from those of simulate_scan().
-enum Stream : std::uint64_t { kDistortion = 101, kLogNoise, kTumbleNoise, kKnocks };
+enum DeviceStream : std::uint64_t { kDistortion = 101, kLogNoise, kTumbleNoise, kKnocks };
 
 // The hand moves a fiftieth of the object per second, and rests this long between the readings of a dwell.
 constexpr double kSpeed = 0.02;
