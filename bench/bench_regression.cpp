@@ -8,10 +8,13 @@
 
 #include <benchmark/benchmark.h>
 
+#include "batten/core/units.hpp"
 #include "batten/scan/joint.hpp"
 #include "batten/scan/prefilter.hpp"
 #include "batten/scan/reconstruct.hpp"
 #include "batten/scan/regression.hpp"
+#include "batten/simulation/shapes.hpp"
+#include "batten/simulation/simulate.hpp"
 
 #ifdef BATTEN_BENCH_CERES
 #include <ceres/ceres.h>
@@ -21,6 +24,14 @@ namespace batten {
 namespace {
 
 using samples::Growth;
+
+/// Processor time of some work, of all its threads.
+template <typename Work>
+double seconds_of(const Work& work) {
+  const std::clock_t start = std::clock();
+  work();
+  return static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+}
 
 /// Weights that smooth as much at every resolution: half power at wavelengths of 0.06 and 0.3, of 2.
 RegressionOptions given_weights(const SampledScan& scan) {
@@ -282,6 +293,38 @@ void joint(benchmark::State& state) {
 }
 BENCHMARK(joint)->Arg(1500)->Arg(15000)->Arg(150000)->Iterations(1)->Unit(benchmark::kMillisecond);
 
+/// A network with automatic weights beside one with the weights given that they come to, from reading
+/// cleaning to positions, in one run; one torus, read ever more densely.
+void automatic(benchmark::State& state) {
+  const TracedNetwork traced = trace_shape(AnalyticShape::Torus);
+  SimulateOptions device;
+  device.seed = 1;
+  device.orientation_noise = radians(2);
+  device.drift = radians(1);
+  device.odometer_error = 0.003;
+  // 1,182 samples at 1.6 %, and some two readings for each.
+  const double step = 0.016 * 1182 / static_cast<double>(state.range(0));
+  device.step = step / 2.7;
+  const Scan scan = simulate_scan(traced, device).scan;
+  ScanOptions options;
+  options.step = Length{step, Length::Kind::Relative};
+  ScanOptions given = options;
+  given.weights = WeightChoice::Given;
+  ScanNetwork network;
+  double automatic_seconds = 0, given_seconds = 0;
+  for (auto _ : state) {
+    automatic_seconds += seconds_of([&] { network = network_from_scan(scan, options); });
+    given.lambda = network.report.lambda;
+    given.mu = network.report.mu;
+    given_seconds += seconds_of([&] { benchmark::DoNotOptimize(network_from_scan(scan, given)); });
+  }
+  report(state, network.samples);
+  state.counters["automatic_s"] = automatic_seconds / static_cast<double>(state.iterations());
+  state.counters["of_given"] = automatic_seconds / given_seconds;
+  state.counters["steps"] = network.report.iterations;
+}
+BENCHMARK(automatic)->Arg(1500)->Arg(16000)->Arg(160000)->Iterations(1)->Unit(benchmark::kMillisecond);
+
 /// Twenty positions of a slider for μ, followed by a kept solver, beside one cold regression and one network
 /// from nothing at its first position, all robust. Medians, so that a disturbed step does not count.
 void slider(benchmark::State& state) {
@@ -299,11 +342,6 @@ void slider(benchmark::State& state) {
   const auto median_of = [](std::vector<double> seconds) {
     std::nth_element(seconds.begin(), seconds.begin() + seconds.size() / 2, seconds.end());
     return seconds[seconds.size() / 2];
-  };
-  const auto seconds_of = [](const auto& work) {
-    const std::clock_t start = std::clock();
-    work();
-    return static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
   };
   std::vector<double> steps, regressions, networks;
   for (auto _ : state) {

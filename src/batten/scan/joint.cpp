@@ -56,6 +56,8 @@ struct Round {
 constexpr Round kRounds[] = {{1.0, 3}, {0.2, 25}};
 /// Turns below this (radians) are far below the noise of every device.
 constexpr double kLeastTurn = 1e-6;
+/// Below this turn steps that no longer shrink are rounding: dense samples make stiff systems.
+constexpr double kRoundingTurn = 1e-4;
 
 JointEstimate result_of(const SampledScan& scan, JointModel& model) {
   const JointLayout& layout = model.layout();
@@ -104,6 +106,7 @@ JointEstimate estimate_jointly(const SampledScan& scan, const JointOptions& opti
       noise = search.noise;
       evaluations += search.evaluations;
     }
+    double last = 0;
     for (int i = 0; i < round.most_steps; ++i) {
       const NoiseEvaluation evaluation = model.evaluate(noise, false, part());
       evidence = evaluation.evidence;
@@ -111,7 +114,8 @@ JointEstimate estimate_jointly(const SampledScan& scan, const JointOptions& opti
       ++iterations;
       ++evaluations;
       if (options.robust) model.update_trust(noise.white);
-      converged = turn < kLeastTurn;
+      converged = turn < kLeastTurn || (turn < kRoundingTurn && turn > last && last > 0);
+      last = turn;
       if (converged) break;
       model.linearize(part());
     }

@@ -44,7 +44,7 @@ struct JointEstimate {
   std::vector<Eigen::VectorXd> trust;  ///< per curve and sample: 1 kept … 0 ignored by the robust loss
   double evidence = 0;                 ///< −2 log marginal likelihood, up to a constant
   int iterations = 0;                  ///< Gauss–Newton steps
-  bool converged = false;              ///< the last of them turned no frame by more than 1e-6 radians
+  bool converged = false;              ///< the last of them was below 1e-6 radians, or within rounding
   int evaluations = 0;                 ///< noise models tried
 };
 

@@ -66,7 +66,12 @@ SampledScan jointly(const Scan& scan, const std::vector<CleanCurve>& clean, cons
     const double step = sampling.step > 0 ? sampling.step : mean_step(samples);
     const double thinning = static_cast<double>(samples.n_samples()) / kSearchSamples;
     coarse.step = std::max(2 * step, std::min(kSearchStep * report.size, thinning * step));
-    joint.noise = estimate_jointly(resample(scan, clean, coarse), joint, progress).noise;
+    // Of readings that lie closer only a share is taken: each sample is worth as many as at twice the step.
+    const double share = 2 * step / coarse.step;
+    coarse.sigma *= share;
+    SampledScan fewer = resample(scan, clean, coarse);
+    for (SampledCurve& curve : fewer.curves) curve.weights *= share;
+    joint.noise = estimate_jointly(fewer, joint, progress).noise;
   }
   const JointEstimate estimate = estimate_jointly(samples, joint, progress);
   if (!estimate.converged)
