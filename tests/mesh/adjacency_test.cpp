@@ -178,5 +178,14 @@ TEST(BoundaryLoops, KeepToTheirFanWhereTheBorderTouchesItself) {
   EXPECT_EQ(loops[1].size(), 3u);
 }
 
+// Three pages of a book: the border of each ends at the back on both sides and is no part of another's.
+TEST(BoundaryLoops, EndAtAnEdgeOfThreeTriangles) {
+  const Triangles book = (Triangles(3, 3) << 0, 1, 2, 0, 1, 3, 0, 1, 4).finished();
+  const auto loops = boundary_loops(book, mesh_edges(book, 5));
+  ASSERT_EQ(loops.size(), 3u);
+  for (size_t page = 0; page < 3; ++page)
+    EXPECT_EQ(loops[page], (std::vector<int>{1, static_cast<int>(page) + 2, 0})) << page;
+}
+
 }  // namespace
 }  // namespace batten

@@ -68,6 +68,20 @@ TEST(Compare, MeasuresTheAngleBetweenNormals) {
   EXPECT_EQ(compare(flat, fixtures::knot(100), few).a_to_b.normal_angles.count, 0);
 }
 
+// The second shape is a square turned over and, beside it, a triangle without area, to which the points
+// beyond are nearest: they have no normal to be held against, and all that have one see half a turn.
+TEST(Compare, LeavesNormalsOutWhereTheNearestFaceHasNoArea) {
+  const Shape wide =
+      fixtures::grid(4, 4, false, false, [](double u, double v) { return Eigen::Vector3d(2 * u, v, 0); });
+  Shape other;
+  other.positions =
+      (Points(7, 3) << 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 2, 0, 0, 2, 1, 0, 2, 0.5, 0).finished();
+  other.triangles = (Triangles(3, 3) << 0, 2, 1, 0, 3, 2, 4, 5, 6).finished();
+  const DirectedComparison found = compare(wide, other, {.samples = 4000}).a_to_b;
+  EXPECT_NEAR(static_cast<double>(found.normal_angles.count), 3000, 150);  // x < 1.5 of 2
+  EXPECT_NEAR(found.normal_angles.mean, kPi, 1e-12);
+}
+
 // A piece of slope 1 over a quarter of the width: its normals are 45° from the plane's. By area, seen from
 // it, √2/4 of √2/4 + 3/4.
 TEST(Compare, WeighsNormalsByArea) {

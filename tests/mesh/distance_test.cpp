@@ -57,10 +57,13 @@ TEST(Distance, PointToTriangleAgreesWithPlaneAndEdges) {
 // A triangle without area is its longest edge; a segment without length is its end.
 TEST(Distance, DegenerateElementsCountAsWhatIsLeftOfThem) {
   const Vector3d a(0, 0, 0), b(1, 0, 0), c(3, 0, 0);
-  for (const auto& [p, q, r] : {std::tuple(a, b, c), std::tuple(c, a, b), std::tuple(b, c, a)}) {
-    const ClosestPoint found = closest_point_on_triangle({2.5, 1, 0}, p, q, r);
-    EXPECT_NEAR(found.squared_distance, 1, 1e-15);
-    EXPECT_NEAR((found.point - Vector3d(2.5, 0, 0)).norm(), 0, 1e-15);
+  for (const auto& [p, q, r] : {std::tuple(a, b, c), std::tuple(a, c, b), std::tuple(b, a, c),
+                                std::tuple(b, c, a), std::tuple(c, a, b), std::tuple(c, b, a)}) {
+    for (const double x : {0.5, 2.5}) {  // on the shorter edges one each
+      const ClosestPoint found = closest_point_on_triangle({x, 1, 0}, p, q, r);
+      EXPECT_NEAR(found.squared_distance, 1, 1e-15);
+      EXPECT_NEAR((found.point - Vector3d(x, 0, 0)).norm(), 0, 1e-15);
+    }
   }
   EXPECT_EQ(closest_point_on_triangle({0, 2, 0}, a, a, a).squared_distance, 4);
   EXPECT_EQ(closest_point_on_segment({0, 2, 0}, a, a).squared_distance, 4);

@@ -257,6 +257,40 @@ TEST(HalfedgeMesh, MarksFollowTheOperations) {
     }
 }
 
+// An edge inside between two vertices of the border: without it the strip would hang together in a point.
+TEST(HalfedgeMesh, EdgesAcrossAStripAreNotCollapsed) {
+  const Arrays strip = grid(4, 1, false);
+  const HalfedgeMesh mesh(strip.positions, strip.triangles);
+  int across = 0;
+  for (int h = 0; h < mesh.halfedge_capacity(); ++h)
+    if (!mesh.is_border_edge(h)) {
+      EXPECT_FALSE(mesh.can_collapse(h)) << mesh.from(h) << " to " << mesh.to(h);
+      ++across;
+    }
+  EXPECT_EQ(across, 2 * 7);
+}
+
+// Two edges that a collapse lays upon each other are one that is marked where one of them was.
+TEST(HalfedgeMesh, ACollapseKeepsTheMarksOfBothEdgesThatBecomeOne) {
+  const Arrays arrays = grid(4, 4, false);
+  for (const bool beside_start : {false, true})
+    for (const bool other_face : {false, true}) {
+      HalfedgeMesh mesh(arrays.positions, arrays.triangles);
+      const int h = mesh.find(12, 13);  // inside, from the middle of 5 × 5 vertices to its neighbour
+      ASSERT_TRUE(mesh.can_collapse(h));
+      const int side = other_face ? mesh.opposite(h) : h;
+      // Of the two edges from the tip of a face that fall together, one runs to each end of h.
+      const int edge = beside_start != other_face ? HalfedgeMesh::prev(side) : HalfedgeMesh::next(side);
+      const int tip = mesh.tip(side);
+      mesh.set_marked(edge, true);
+      mesh.collapse(h);
+      EXPECT_EQ(mesh.breach(), "");
+      const int joint = mesh.find(13, tip);
+      ASSERT_NE(joint, HalfedgeMesh::kNone);
+      EXPECT_TRUE(mesh.is_marked(joint)) << beside_start << other_face;
+    }
+}
+
 TEST(HalfedgeMesh, BadInputIsRefusedWithThePlace) {
   Arrays arrays = grid(2, 2, false);
   arrays.triangles(3, 1) = 99;

@@ -56,6 +56,10 @@ TEST(RegularShare, CountsInnerVerticesOfSixEdges) {
   shape.triangles.row(cell) << a, b, d;
   shape.triangles.row(cell + 1) << b, c, d;
   EXPECT_EQ(regular_share(shape.triangles, shape.positions.rows()), 12.0 / 16);
+  // A third triangle at an edge: its two ends are no longer inside a surface.
+  Triangles fin(shape.triangles.rows() + 1, 3);
+  fin << shape.triangles, b, d, static_cast<int>(shape.positions.rows());
+  EXPECT_EQ(regular_share(fin, shape.positions.rows() + 1), 12.0 / 14) << "both had five edges or seven";
   EXPECT_EQ(regular_share(Triangles(0, 3), 0), 0);
   EXPECT_EQ(regular_share(kOne, 3), 0);
 }

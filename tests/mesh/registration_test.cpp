@@ -66,6 +66,28 @@ TEST(FitTransform, NeverReflects) {
     }
 }
 
+// The scale, too, is the best for that rotation: where one axis is mirrored, smaller than the ratio of the
+// sizes. The error is a parabola in the scale with its vertex there.
+TEST(FitTransform, FindsTheBestScaleOfAMirroredCopy) {
+  Random random(9);
+  Points from(30, 3);
+  for (int i = 0; i < 30; ++i) from.row(i) = random.normal3();
+  Points to = 2 * from;
+  to.col(0) *= -1;
+  SimilarityTransform found = fit_transform(from, to, RegistrationKind::Similarity);
+  const auto error = [&](double scale) {
+    SimilarityTransform other = found;
+    other.scale = scale;
+    // The translation that goes with it keeps the centroids together.
+    const Eigen::RowVector3d a = from.colwise().mean(), b = to.colwise().mean();
+    other.translation = b.transpose() - scale * (found.rotation * a.transpose());
+    return (other(from) - to).squaredNorm();
+  };
+  const double best = error(found.scale);
+  EXPECT_LT(best, error(1.001 * found.scale));
+  EXPECT_LT(best, error(0.999 * found.scale));
+}
+
 TEST(FitTransform, WeightsOfZeroLeavePairsOut) {
   Random random(2);
   Points from(10, 3);
@@ -131,6 +153,46 @@ TEST(RegisterShapes, MovesCurvesOntoTheirSurfaceAndBack) {
   EXPECT_LT(
       disagreement(surface, register_shapes(moved(surface, motion), curves, options).transform * motion, {}),
       1e-8);
+}
+
+// The misfit is told in the unit of the fixed shape, also where the curves, though fixed, are the ones that
+// are matched: the unit of the moving surface is no matter.
+TEST(RegisterShapes, TellsTheMisfitInTheUnitOfTheFixedShape) {
+  Shape surface = fixtures::blob(10), curves = fixtures::knot(200);
+  const RegistrationOptions options{.kind = RegistrationKind::Similarity, .samples = 500};
+  const Registration expected = register_shapes(surface, curves, options);
+  EXPECT_GT(expected.rms, 1e-3);
+  surface.positions *= 1024;
+  const Registration found = register_shapes(surface, curves, options);
+  EXPECT_NEAR(found.transform.scale * 1024 / expected.transform.scale, 1, 1e-6);
+  EXPECT_NEAR(found.rms / expected.rms, 1, 1e-6);
+}
+
+// An ellipsoid of three different axes falls onto itself after half a turn about each; of the four ways the
+// one nearest to how it lies is taken.
+TEST(RegisterShapes, OfSymmetricShapesTakesTheLeastTurn) {
+  Shape fixed = fixtures::sphere(16);
+  fixed.positions *= Vector3d(3, 2, 1).asDiagonal();
+  for (const Vector3d& axis : {Vector3d(1, 0.2, 0), Vector3d(0, 1, 0.3), Vector3d(0.2, 0, 1)}) {
+    const SimilarityTransform motion = turned(12, axis, 1, {0.2, -0.1, 0.1});
+    const Registration found = register_shapes(moved(fixed, motion), fixed, {.samples = 1000});
+    EXPECT_NEAR(degrees(found.transform.angle()), 12, 0.01);
+  }
+}
+
+// An arc slid along its own circle: only its ends tell, and they are enough.
+TEST(RegisterShapes, EndsHoldACurveThatSlidesAlongItself) {
+  Shape fixed;
+  fixed.positions.resize(101, 3);
+  fixed.segments.resize(100, 2);
+  for (int i = 0; i <= 100; ++i) {
+    fixed.positions.row(i) << std::cos(0.015 * i), std::sin(0.015 * i), 0;
+    if (i < 100) fixed.segments.row(i) << i, i + 1;
+  }
+  const SimilarityTransform motion = turned(9, {0, 0, 1}, 1, {0, 0, 0});  // about the middle of the circle
+  const Registration found = register_shapes(moved(fixed, motion), fixed, {.samples = 2000});
+  EXPECT_LT(disagreement(fixed, found.transform * motion, {}), 2e-3);
+  EXPECT_LT(found.rms, 1e-3);
 }
 
 // Every rotation of a sphere is as good: it must stay as it lies, and only the offset be found.

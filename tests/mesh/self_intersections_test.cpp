@@ -78,5 +78,17 @@ TEST(SelfIntersections, AgreeWithTheTestOfAllPairs) {
   EXPECT_EQ(self_intersections(points, triangles, 100000), expected);
 }
 
+// One triangle pierced by ten others: of all its pairs the first ones, and no more than asked for.
+TEST(SelfIntersections, ListsTheFirstPairsOnly) {
+  Points points(33, 3);
+  Triangles triangles(11, 3);
+  points.topRows(3) << 0, 0, 0, 100, 0, 0, 0, 100, 0;
+  for (int f = 1; f <= 10; ++f) points.middleRows(3 * f, 3) << 2 * f, 1, -1, 2 * f + 1, 1, -1, 2 * f, 1, 1;
+  for (int f = 0; f <= 10; ++f) triangles.row(f) << 3 * f, 3 * f + 1, 3 * f + 2;
+  EXPECT_EQ(self_intersections(points, triangles).size(), 10u);
+  EXPECT_EQ(self_intersections(points, triangles, 3),
+            (std::vector<std::pair<int, int>>{{0, 1}, {0, 2}, {0, 3}}));
+}
+
 }  // namespace
 }  // namespace batten

@@ -36,5 +36,27 @@ TEST(SpatialOrder, TakesCoincidentAndNoPoints) {
   EXPECT_TRUE(spatial_order(Points(0, 3)).empty());
 }
 
+// Cells of 1/1024 of the extent: all points of a block of 2, 4, 8 and 16 cells follow each other, whichever
+// the bits of their places.
+TEST(SpatialOrder, KeepsBlocksOfCellsTogether) {
+  for (const int origin : {0, 512, 992}) {
+    Points points(16 * 16 * 16 + 2, 3);
+    for (int i = 0; i < 4096; ++i) points.row(i) << origin + i % 16, origin + i / 16 % 16, origin + i / 256;
+    points.row(4096).setZero();
+    points.row(4097).setConstant(1023);
+    std::vector<int> order = spatial_order(points);
+    order.erase(std::remove_if(order.begin(), order.end(), [](int i) { return i >= 4096; }), order.end());
+    for (const int side : {2, 4, 8}) {
+      const int block = side * side * side;
+      for (int k = 0; k < 4096; ++k) {
+        const Eigen::RowVector3d p = points.row(order[static_cast<size_t>(k)]),
+                                 q = points.row(order[static_cast<size_t>(k / block * block)]);
+        for (int axis = 0; axis < 3; ++axis)
+          ASSERT_EQ(std::floor(p[axis] / side), std::floor(q[axis] / side)) << side << ", " << k;
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace batten

@@ -80,6 +80,22 @@ TEST(Triangulated, ChoosesTheBetterDiagonalOfAQuad) {
               1e-12);
 }
 
+// One diagonal leaves an equilateral triangle and a sliver, the other two of middling shape: the worse of
+// both counts, so the other is cut.
+TEST(Triangulated, JudgesADiagonalByTheWorseOfItsTriangles) {
+  const Points quad = (Points(4, 3) << 0, 0, 0, 1, 0, 0, 0.5, 0.866, 0, 0.207, 0.458, 0).finished();
+  for (int first = 0; first < 4; ++first) {
+    Points turned(4, 3);
+    for (int k = 0; k < 4; ++k) turned.row(k) = quad.row((first + k) % 4);
+    const TriangleMesh mesh = triangulated(one_polygon(turned));
+    for (int f = 0; f < 2; ++f) {
+      int of_diagonal = 0;
+      for (int k = 0; k < 3; ++k) of_diagonal += (mesh.triangles(f, k) + first) % 2 == 1 ? 1 : 0;
+      EXPECT_EQ(of_diagonal, 2) << "both triangles hold corners 1 and 3";
+    }
+  }
+}
+
 // Without a valid ear the polygon crosses itself; the work must end and give n − 2 triangles all the same.
 TEST(Triangulated, EndsOnCrossingAndCollapsedPolygons) {
   Random random(4);
@@ -98,6 +114,12 @@ TEST(Triangulated, NamesTheFaceThatIsWrong) {
   EXPECT_THROW(triangulated(mesh), InvalidInput);
   mesh = one_polygon(Points::Random(2, 3));
   EXPECT_THROW(triangulated(mesh), InvalidInput);
+  // Ears take quadratic time: a polygon of ten thousand corners is cut, a longer one is no face.
+  Points round(10001, 3);
+  for (Eigen::Index i = 0; i < round.rows(); ++i)
+    round.row(i) << std::cos(2 * kPi * i / 10001.0), std::sin(2 * kPi * i / 10001.0), 0;
+  EXPECT_EQ(triangulated(one_polygon(round.topRows(10000))).n_triangles(), 9998);
+  EXPECT_THROW(triangulated(one_polygon(round)), InvalidInput);
 }
 
 }  // namespace

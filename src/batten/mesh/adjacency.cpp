@@ -192,9 +192,10 @@ std::vector<std::vector<int>> boundary_loops(const Triangles& triangles, const M
     }
     loops.push_back(std::move(loop));
   };
-  // Open pieces first, from their ends.
-  for (int e = 0; e < static_cast<int>(edges.n_edges()); ++e)
-    for (int side = 0; side < 2; ++side)
+  // Open pieces first, from their ends: from the one where the surface lies to the left of the walk, and from
+  // the other only where its triangles are oriented against each other.
+  for (int side = 0; side < 2; ++side)
+    for (int e = 0; e < static_cast<int>(edges.n_edges()); ++e)
       if (is_border(e) && !done[at(e)] && turned(e, side).edge < 0) walk(e, side);
   for (int e = 0; e < static_cast<int>(edges.n_edges()); ++e)
     if (is_border(e) && !done[at(e)]) walk(e, 0);
