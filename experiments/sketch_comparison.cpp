@@ -24,7 +24,7 @@ std::string number(double value, const char* format) {
   return text;
 }
 
-/// The model that a session ends with; refused edits are told.
+/// The first model of a session as it is at the end; refused edits are told.
 ExampleModel play(const std::filesystem::path& path, std::vector<std::string>& warnings) {
   const Session session = read_session(path.string());
   Document document;
@@ -35,7 +35,10 @@ ExampleModel play(const std::filesystem::path& path, std::vector<std::string>& w
       warnings.push_back(concat(path.string(), ":", edit.line, ": refused: ", refusal.what()));
     }
   }
-  return {path.stem().string(), document.mesh(), {}};
+  for (const ObjectId object : document.objects())
+    if (document.object(object).kind() == ObjectKind::Model)
+      return {path.stem().string(), document.model(object), {}};
+  throw InvalidInput(concat(path.string(), ": there is no model of curves and faces in this session"));
 }
 
 /// Every model there is, by name: networks first, then sessions. They are made when they are asked for.

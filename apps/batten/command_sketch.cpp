@@ -9,7 +9,6 @@
 #include "batten/core/units.hpp"
 #include "batten/io/file.hpp"
 #include "batten/io/mesh_io.hpp"
-#include "batten/session/edit_json.hpp"
 #include "batten/session/journal.hpp"
 #include "batten/session/project.hpp"
 #include "batten/subdivision/bspline_surface.hpp"
@@ -20,7 +19,7 @@ namespace batten::cli {
 namespace {
 
 struct SketchArguments {
-  std::string session, output, surface, step;
+  std::string session, output, surface, step, model;
   ModelSurfaceArguments model_surface;
   bool strict = false;
 };
@@ -79,39 +78,57 @@ void describe(const PolylineMesh& mesh, Json& figures) {
   }
 }
 
+/// One edit that was done, for the JSON object.
+Json describe(const SessionEdit& edit, const std::string& op, const EditOutcome& done) {
+  Json json = {{"line", edit.line},
+               {"op", op},
+               {"curves", ids('c', done.report.curves)},
+               {"vertices", ids('v', done.vertices)}};
+  for (const std::string& remark : done.report.remarks) json["remarks"].push_back(remark);
+  return json;
+}
+
 /// Plays a session; refused edits are told and passed over.
-void play(const Session& session, const std::string& path, Project& project, Context& context,
+void play(const Session& session, const std::string& path, Document& document, Context& context,
           Outcome& outcome) {
-  project.unit = session.unit;
   Json edits = Json::array(), refused = Json::array();
-  for (size_t k = 0; k < session.edits.size(); ++k) {
+  for (std::size_t k = 0; k < session.edits.size(); ++k) {
     context.progress.report("edits", static_cast<double>(k) / static_cast<double>(session.edits.size()));
     const SessionEdit& edit = session.edits[k];
     const std::string op = name_of_op(edit.edit);
     try {
-      const EditOutcome done = project.document.apply(edit.edit);
-      edits.push_back({{"line", edit.line},
-                       {"op", op},
-                       {"curves", ids('c', done.report.curves)},
-                       {"vertices", ids('v', done.vertices)}});
-      for (const std::string& remark : done.report.remarks) {
-        edits.back()["remarks"].push_back(remark);
+      const EditOutcome done = document.apply(edit.edit);
+      if (k < session.n_implied) continue;
+      edits.push_back(describe(edit, op, done));
+      for (const std::string& remark : done.report.remarks)
         outcome.lines.push_back(concat("line ", edit.line, ": ", remark));
-      }
     } catch (const RefusedEdit& refusal) {
       refused.push_back(
           {{"line", edit.line}, {"op", op}, {"reason", refusal.reason()}, {"remedy", refusal.remedy()}});
       outcome.lines.push_back(concat("line ", edit.line, ": ", op, " refused: ", refusal.what()));
     }
   }
-  if (session.torn)
-    outcome.warnings.push_back(
-        concat(path, ":", session.torn_line,
-               ": the last line is not finished; the edit that was being written is lost"));
+  if (session.torn) outcome.warnings.push_back(session.warning(path));
   outcome.figures["edits_done"] = edits.size();
   outcome.figures["edits_refused"] = refused.size();
   outcome.figures["edits"] = std::move(edits);
   outcome.figures["refused"] = std::move(refused);
+}
+
+/// The model that is asked for, or the only one. @throws InvalidInput naming the models that there are.
+ObjectId model_to_show(const Document& document, const std::string& name) {
+  std::vector<ObjectId> models;
+  std::string names;
+  for (const ObjectId object : document.objects()) {
+    if (document.object(object).kind() != ObjectKind::Model) continue;
+    if (document.object(object).name == name) return object;
+    names += (models.empty() ? "'" : ", '") + document.object(object).name + "'";
+    models.push_back(object);
+  }
+  if (models.empty()) throw InvalidInput("there is no model of curves and faces in this project");
+  if (!name.empty()) throw InvalidInput(concat("there is no model '", name, "'; there are ", names));
+  if (models.size() > 1) throw InvalidInput(concat("there are several models; name one by --model: ", names));
+  return models[0];
 }
 
 /// Millimetres in the unit of the session. @throws InvalidInput.
@@ -133,12 +150,12 @@ void write_surface(const SketchArguments& arguments, TriangleMesh mesh, Json& fi
   outcome.exhibit.mesh = std::move(mesh);
 }
 
-void write_patches(const SketchArguments& arguments, const Project& project, const ControlCage& cage,
+void write_patches(const SketchArguments& arguments, const std::string& unit, const ControlCage& cage,
                    const Context& context, Json& figures, Outcome& outcome) {
   const ScopedStage stage(outcome.times, "step");
   const BsplineSurface patches = limit_bsplines(cage, {}, context.progress);
   StepOptions step;
-  step.millimetres_per_unit = millimetres_in(project.unit);
+  step.millimetres_per_unit = millimetres_in(unit);
   write_file(arguments.step, format_step(patches, step));
   figures["patches"] = patches.patches.size();
   figures["step_deviation"] = patches.deviation;
@@ -146,9 +163,8 @@ void write_patches(const SketchArguments& arguments, const Project& project, con
 }
 
 /// What is made of the model beside the project: a mesh with its measures, a STEP file.
-void make_surface(const SketchArguments& arguments, const Project& project, const Context& context,
-                  Outcome& outcome) {
-  const PolylineMesh& model = project.document.mesh();
+void make_surface(const SketchArguments& arguments, const PolylineMesh& model, const std::string& unit,
+                  const Context& context, Outcome& outcome) {
   ModelSurfaceOptions options = model_surface_options(arguments.model_surface);
   options.with_mesh = !arguments.surface.empty();
   ModelSurface surface = model_surface(model, options, context.progress);
@@ -174,7 +190,27 @@ void make_surface(const SketchArguments& arguments, const Project& project, cons
     }
     write_surface(arguments, std::move(surface.mesh), figures, outcome);
   }
-  if (!arguments.step.empty()) write_patches(arguments, project, surface.cage, context, figures, outcome);
+  if (!arguments.step.empty()) write_patches(arguments, unit, surface.cage, context, figures, outcome);
+}
+
+/// A project with its history, or a session played.
+Document read_document(const SketchArguments& arguments, Context& context, Outcome& outcome) {
+  if (file_extension(arguments.session) == "batten") {
+    const ScopedStage stage(outcome.times, "read");
+    ProjectFile file = read_project(arguments.session);
+    outcome.warnings = std::move(file.warnings);
+    outcome.figures["refused"] = Json::array();
+    return std::move(file.document);
+  }
+  Session session;
+  {
+    const ScopedStage stage(outcome.times, "read");
+    session = read_session(arguments.session);
+  }
+  const ScopedStage stage(outcome.times, "edits");
+  Document document;
+  play(session, arguments.session, document, context, outcome);
+  return document;
 }
 
 Outcome run_sketch(const SketchArguments& arguments, Context& context) {
@@ -183,26 +219,15 @@ Outcome run_sketch(const SketchArguments& arguments, Context& context) {
   if (!arguments.surface.empty()) mesh_format(arguments.surface);
   if (!arguments.step.empty()) require_step();
   Outcome outcome;
-  Project project;
-  if (file_extension(arguments.session) == "batten") {
-    const ScopedStage stage(outcome.times, "read");
-    project = read_project(arguments.session, &outcome.warnings);
-    outcome.figures["refused"] = Json::array();
-  } else {
-    Session session;
-    {
-      const ScopedStage stage(outcome.times, "read");
-      session = read_session(arguments.session);
-    }
-    const ScopedStage stage(outcome.times, "edits");
-    play(session, arguments.session, project, context, outcome);
-  }
-  const PolylineMesh& mesh = project.document.mesh();
-  outcome.figures["unit"] = project.unit;
+  const Document document = read_document(arguments, context, outcome);
+  const ObjectId shown = model_to_show(document, arguments.model);
+  const PolylineMesh& mesh = document.model(shown);
+  const std::string& unit = document.unit(shown);
+  outcome.figures["unit"] = unit;
   describe(mesh, outcome.figures);
   {
     const ScopedStage stage(outcome.times, "write");
-    write_project(arguments.output, project);
+    write_project(arguments.output, document);
   }
   const SketchCounts counts = mesh.counts();
   outcome.lines.push_back(concat(arguments.output, ": ", counts.curves, " curves, ", counts.vertices,
@@ -211,7 +236,7 @@ Outcome run_sketch(const SketchArguments& arguments, Context& context) {
                                  counts.boundary_loops == 1 ? "" : "s", ", genus ", counts.genus));
   if (!arguments.surface.empty() || !arguments.step.empty()) {
     try {
-      make_surface(arguments, project, context, outcome);
+      make_surface(arguments, mesh, unit, context, outcome);
     } catch (const FileError&) {
       throw;
     } catch (const InvalidInput& error) {  // the model and what was refused of it are told all the same
@@ -244,6 +269,7 @@ void add_sketch(CLI::App& app) {
   command->add_option("--surface", arguments->surface, "Surface to write: .ply, .obj, .off or .stl");
   add_model_surface_options(*command, arguments->model_surface);
   command->add_option("--step", arguments->step, "STEP file to write: the limit surface as B-spline patches");
+  command->add_option("--model", arguments->model, "Name of the model, where the project has several");
   command->add_flag("--strict", arguments->strict, "Exit with 1 when an edit was refused");
 }
 

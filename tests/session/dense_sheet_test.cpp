@@ -1,4 +1,5 @@
 #include "../sketch/strokes.hpp"
+#include "one_model.hpp"
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
@@ -9,6 +10,7 @@ namespace batten {
 namespace {
 
 using namespace strokes;
+using namespace test;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
@@ -32,8 +34,9 @@ Points on_sheet(const Sheet& sheet, std::initializer_list<Vector3d> corners, int
 void expect_grid(const Sheet& sheet) {
   const double scale = sheet.frame.col(0).norm();
   const int n = sheet.lines;
-  Document document;
-  document.apply(InsertEdit{{on_sheet(sheet, {kO, kX, kX + kY, kY, kO}, 100), true}, {.snap = 5e-4 * scale}});
+  Document document = one_model();
+  document.apply(
+      on_model(InsertEdit{{on_sheet(sheet, {kO, kX, kX + kY, kY, kO}, 100), true}, {.snap = 5e-4 * scale}}));
   const auto place = [&](int k) {
     const double t = static_cast<double>(k) / (n + 1);
     return t + sheet.uneven / (2 * kPi * 3) * std::sin(2 * kPi * 3 * t);
@@ -41,20 +44,20 @@ void expect_grid(const Sheet& sheet) {
   for (int k = 1; k <= n; ++k)
     for (const bool along_x : {true, false}) {
       const Vector3d from = place(k) * (along_x ? kY : kX), to = from + (along_x ? kX : kY);
-      ASSERT_NO_THROW(
-          document.apply(InsertEdit{{on_sheet(sheet, {from, to}, 200), false}, {.snap = 5e-4 * scale}}))
+      ASSERT_NO_THROW(document.apply(
+          on_model(InsertEdit{{on_sheet(sheet, {from, to}, 200), false}, {.snap = 5e-4 * scale}})))
           << "line " << k << (along_x ? " along x" : " along y");
     }
-  const SketchCounts counts = document.mesh().counts();
+  const SketchCounts counts = model_of(document).counts();
   EXPECT_EQ(counts.curves, 2 * n + 1);
   EXPECT_EQ(counts.vertices, n * n + 4 * n + 4);
   EXPECT_EQ(counts.edges, 2 * n * (n + 1) + 4 * (n + 1));
   EXPECT_EQ(counts.faces, (n + 1) * (n + 1));
   EXPECT_EQ(counts.boundary_loops, 1);
-  EXPECT_EQ(document.mesh().broken_invariant(), "");
+  EXPECT_EQ(model_of(document).broken_invariant(), "");
   // Curves through hundreds of crossings stay on the sheet, and do not swing between them.
   double off = 0;
-  for (const SketchEdge& edge : document.mesh().edges()) {
+  for (const SketchEdge& edge : model_of(document).edges()) {
     if (!edge.alive) continue;
     const Points flat = edge.polyline->points() * sheet.frame.inverse().transpose();
     for (Eigen::Index i = 0; i < flat.rows(); ++i)

@@ -1,4 +1,5 @@
 #include "../sketch/strokes.hpp"
+#include "one_model.hpp"
 
 #include <iostream>
 
@@ -6,12 +7,14 @@
 #include <gtest/gtest.h>
 
 #include "batten/core/random.hpp"
+#include "batten/modelling/diffusion_surface.hpp"
 #include "batten/session/document.hpp"
 
 namespace batten {
 namespace {
 
 using namespace strokes;
+using namespace test;
 using Eigen::Vector3d;
 
 constexpr int kCells = 5;
@@ -25,15 +28,15 @@ DrawnStroke on_waves(const Vector3d& from, const Vector3d& to) {
 
 /// A waved sheet of kCells × kCells faces.
 Document sheet() {
-  Document document;
+  Document document = one_model();
   DrawnStroke border{polygon({kO, kX, kX + kY, kY, kO}, 100), true};
   for (Eigen::Index i = 0; i < border.points.rows(); ++i)
     border.points(i, 2) = 0.1 * std::sin(2.5 * border.points(i, 0)) * std::cos(2 * border.points(i, 1));
-  document.apply(InsertEdit{border, {.snap = 1e-3}});
+  document.apply(on_model(InsertEdit{border, {.snap = 1e-3}}));
   for (int k = 1; k < kCells; ++k) {
     const double t = static_cast<double>(k) / kCells;
-    document.apply(InsertEdit{on_waves(t * kY, kX + t * kY), {.snap = 1e-3}});
-    document.apply(InsertEdit{on_waves(t * kX, kY + t * kX), {.snap = 1e-3}});
+    document.apply(on_model(InsertEdit{on_waves(t * kY, kX + t * kY), {.snap = 1e-3}}));
+    document.apply(on_model(InsertEdit{on_waves(t * kX, kY + t * kX), {.snap = 1e-3}}));
   }
   return document;
 }
@@ -42,7 +45,7 @@ Document sheet() {
 Edit random_edit(const Document& document, Random& random) {
   const double kind = random.uniform();
   const auto curve = [&] {
-    return static_cast<int>(random.below(static_cast<std::uint64_t>(document.mesh().n_curves())));
+    return static_cast<int>(random.below(static_cast<std::uint64_t>(model_of(document).n_curves())));
   };
   if (kind < 0.35) {
     const auto cell = [&](int most) {
@@ -51,10 +54,10 @@ Edit random_edit(const Document& document, Random& random) {
     const int x = cell(kCells - 1);
     const double y = (cell(kCells) + random.uniform(0.3, 0.7)) / kCells;
     const Vector3d from(static_cast<double>(x) / kCells, y, 0), to((x + 1.0 + cell(2)) / kCells, y, 0);
-    return InsertEdit{on_waves(from, to), {.snap = 1e-3}};
+    return on_model(InsertEdit{on_waves(from, to), {.snap = 1e-3}});
   }
-  if (kind < 0.45) return DeleteEdit{curve()};
-  if (kind < 0.55) return SharpnessEdit{curve(), random.uniform() < 0.5 ? 1.0 : 0.0, {}};
+  if (kind < 0.45) return on_model(DeleteEdit{curve()});
+  if (kind < 0.55) return on_model(SharpnessEdit{curve(), random.uniform() < 0.5 ? 1.0 : 0.0, {}});
   if (kind < 0.8) return UndoEdit{};
   return RedoEdit{};
 }
@@ -79,6 +82,7 @@ TEST(DocumentSurface, FollowsRandomEditsUndoAndRedo) {
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     Random random(seed);
     Document document = sheet();
+    EditedSurface surface(kCoarse);
     std::vector<size_t> asked_at;  // entries of the log
     DiffusionSurface last;
     for (int k = 0; k < 30; ++k) {
@@ -88,9 +92,11 @@ TEST(DocumentSurface, FollowsRandomEditsUndoAndRedo) {
         continue;
       }
       if (random.uniform() < 0.5) continue;
-      last = document.surface(kCoarse);
+      surface.update(model_of(document));
+      last = surface.surface(model_of(document));
       asked_at.push_back(document.log().size());
-      const double found = difference(last, diffusion_surface(document.mesh(), kCoarse), document.mesh());
+      const double found =
+          difference(last, diffusion_surface(model_of(document), kCoarse), model_of(document));
       EXPECT_LT(found, 5e-4) << "seed " << seed << ", edit " << k;
       worst = std::max(worst, found);
       ++n_compared;
@@ -98,12 +104,14 @@ TEST(DocumentSurface, FollowsRandomEditsUndoAndRedo) {
     // Played again, asked for at the same places: the same bits.
     ASSERT_FALSE(asked_at.empty());
     Document again;
+    EditedSurface again_surface(kCoarse);
     DiffusionSurface replayed;
     size_t next = 0;
     for (size_t k = 0; k < asked_at.back(); ++k) {
       again.apply(document.log()[k]);
       if (again.log().size() == asked_at[next]) {
-        replayed = again.surface(kCoarse);
+        again_surface.update(model_of(again));
+        replayed = again_surface.surface(model_of(again));
         ++next;
       }
     }
@@ -115,34 +123,35 @@ TEST(DocumentSurface, FollowsRandomEditsUndoAndRedo) {
   std::cout << n_compared << " surfaces, largest difference " << worst << '\n';
 }
 
-TEST(DocumentSurface, IsKeptAndRedoneOnlyWhereEditsWere) {
+TEST(DocumentSurface, IsRedoneOnlyWhereEditsWere) {
   Document document = sheet();
-  EXPECT_EQ(document.update_surface(kCoarse).faces.size(), 25u);
-  EXPECT_EQ(document.update_surface(kCoarse).faces.size(), 0u);
+  EditedSurface surface(kCoarse);
+  EXPECT_EQ(surface.update(model_of(document)).faces.size(), 25u);
+  EXPECT_EQ(surface.update(model_of(document)).faces.size(), 0u);
   const double y = 2.5 / kCells;
-  document.apply(InsertEdit{on_waves(Vector3d(0.4, y, 0), Vector3d(0.6, y, 0)), {.snap = 1e-3}});
-  const size_t made = document.update_surface(kCoarse).faces.size();
+  document.apply(on_model(InsertEdit{on_waves(Vector3d(0.4, y, 0), Vector3d(0.6, y, 0)), {.snap = 1e-3}}));
+  const size_t made = surface.update(model_of(document)).faces.size();
   EXPECT_GT(made, 1u);
   EXPECT_LT(made, 26u);
-  // Other options and a copy begin anew; the copy leaves the surface of the first alone.
-  EXPECT_EQ(document.update_surface({.splits = 1}).faces.size(), 26u);
+  // The surface follows a copy as well, and the copy leaves the document alone.
   Document copy = document;
-  EXPECT_EQ(copy.update_surface({.splits = 1}).faces.size(), 26u);
-  EXPECT_EQ(document.update_surface({.splits = 1}).faces.size(), 0u);
+  EXPECT_EQ(surface.update(model_of(copy)).faces.size(), 0u);
   copy.apply(UndoEdit{});
-  EXPECT_EQ(copy.surface({.splits = 1}).refined.mesh.n_faces(), 100);
-  EXPECT_EQ(document.surface({.splits = 1}).refined.mesh.n_faces(), 104 + 2);
+  surface.update(model_of(copy));
+  EXPECT_EQ(surface.surface(model_of(copy)).refined.mesh.n_faces(), 25 * 16);
+  EXPECT_EQ(model_of(document).counts().faces, 26);
 }
 
 TEST(DocumentSurface, GoesOnAfterWhatFailed) {
-  Document document;
-  EXPECT_THROW(document.surface(), InvalidInput);  // no faces yet
-  document = sheet();
-  EXPECT_THROW(document.surface(kCoarse, Progress([](std::string_view, double) { return false; })),
+  EditedSurface surface(kCoarse);
+  EXPECT_THROW(surface.update(model_of(one_model())), InvalidInput);  // no faces yet
+  const Document document = sheet();
+  EXPECT_THROW(surface.update(model_of(document), Progress([](std::string_view, double) { return false; })),
                Cancelled);
-  EXPECT_LT(
-      difference(document.surface(kCoarse), diffusion_surface(document.mesh(), kCoarse), document.mesh()),
-      5e-4);
+  surface.update(model_of(document));
+  EXPECT_LT(difference(surface.surface(model_of(document)), diffusion_surface(model_of(document), kCoarse),
+                       model_of(document)),
+            5e-4);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #pragma once
 #include "../sketch/strokes.hpp"
+#include "one_model.hpp"
 
 #include <Eigen/Geometry>
 
@@ -8,6 +9,8 @@
 
 // Edits without a plan, for tests of properties.
 namespace batten::strokes {
+
+using test::on_model;
 
 using Eigen::Vector3d;
 
@@ -42,21 +45,22 @@ inline Edit random_edit(const PolylineMesh& mesh, Random& random) {
     return static_cast<int>(random.below(static_cast<std::uint64_t>(mesh.n_curves()) + 1));
   };
   if (kind < 0.4 || mesh.empty())
-    return InsertEdit{random_stroke(mesh, random), {.sharpness = random.uniform() < 0.3 ? 1.0 : 0.0}};
-  if (kind < 0.55) return DeleteEdit{curve()};
-  if (kind < 0.58) return SharpnessEdit{curve(), random.uniform(-0.1, 1.1), {}};
+    return on_model(
+        InsertEdit{random_stroke(mesh, random), {.sharpness = random.uniform() < 0.3 ? 1.0 : 0.0}});
+  if (kind < 0.55) return on_model(DeleteEdit{curve()});
+  if (kind < 0.58) return on_model(SharpnessEdit{curve(), random.uniform(-0.1, 1.1), {}});
   if (kind < 0.62) {
     MirrorEdit mirror;
     mirror.curve = curve();
-    return mirror;
+    return on_model(mirror);
   }
   if (kind < 0.72) {
     const SketchEdge& edge = mesh.edges()[random.below(mesh.edges().size())];
     const Vector3d middle = edge.alive ? edge.polyline->at(edge.polyline->length() / 2) : kO;
     const Vector3d a = random.uniform(0.05, 0.3) * random.direction();
-    return HoleEdit{circle(middle + (random.uniform() < 0.5 ? 0.0 : 0.3) * random.normal3(), a,
-                           a.norm() * a.unitOrthogonal(), 32),
-                    {}};
+    return on_model(HoleEdit{circle(middle + (random.uniform() < 0.5 ? 0.0 : 0.3) * random.normal3(), a,
+                                    a.norm() * a.unitOrthogonal(), 32),
+                             {}});
   }
   if (kind < 0.8) {  // between two borders, where there are two
     std::vector<const SketchEdge*> border;
@@ -70,15 +74,15 @@ inline Edit random_edit(const PolylineMesh& mesh, Random& random) {
     const SketchEdge *a = border[random.below(border.size())], *b = border[random.below(border.size())];
     glue.first = {polygon({end(a), end(b)}), false};
     glue.second = {polygon({end(a), end(b)}), false};
-    return glue;
+    return on_model(glue);
   }
   if (kind < 0.84) {
     const Vector3d axis = random.direction(), x = axis.unitOrthogonal(), y = axis.cross(x),
                    at = 4 * random.normal3();
-    return SkinEdit{{circle(at, x, y, 40), circle(at + axis, x, y, 40)},
-                    {DrawnStroke{polygon({at + x, at + x + axis}), false},
-                     DrawnStroke{polygon({at - x, at - x + axis}), false}},
-                    {}};
+    return on_model(SkinEdit{{circle(at, x, y, 40), circle(at + axis, x, y, 40)},
+                             {DrawnStroke{polygon({at + x, at + x + axis}), false},
+                              DrawnStroke{polygon({at - x, at - x + axis}), false}},
+                             {}});
   }
   if (kind < 0.86) {
     Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
@@ -88,7 +92,7 @@ inline Edit random_edit(const PolylineMesh& mesh, Random& random) {
             .toRotationMatrix();
     matrix(0, 3) = random.normal();
     if (random.uniform() < 0.5) matrix.col(0) *= -1;
-    return TransformEdit{matrix};
+    return on_model(TransformEdit{matrix});
   }
   if (kind < 0.95) return UndoEdit{};
   return RedoEdit{};

@@ -15,6 +15,7 @@ namespace batten {
 namespace {
 
 using namespace strokes;
+using namespace test;
 using Eigen::Index;
 using Eigen::Vector3d;
 
@@ -144,8 +145,8 @@ TEST(Search, FindsWhatASearchThroughTheWholeModelFinds) {
   size_t n_hits = 0, n_taken_back = 0;
   for (int session = 0; session < kSessions; ++session) {
     Random random(7, static_cast<std::uint64_t>(session));
-    Document document;
-    const PolylineMesh& mesh = document.mesh();
+    Document document = one_model();
+    const PolylineMesh& mesh = model_of(document);
     for (int call = 0; call < kCalls && !HasFailure(); ++call) {
       const Edit edit = random_edit(mesh, random);
       try {
@@ -168,10 +169,10 @@ TEST(Search, FindsWhatASearchThroughTheWholeModelFinds) {
     }
     while (document.can_redo()) document.apply(RedoEdit{});
     expect_same_boxes(mesh, random_box(random));
-    const Project read = parse_project(format_project({document, "m"}), "stored.batten", nullptr);
-    expect_same_boxes(read.document.mesh(), random_box(random));
+    const ProjectFile read = parse_project(format_project(document), "stored.batten");
+    expect_same_boxes(model_of(read.document), random_box(random));
     const PolylineMesh copy = mesh;  // a copy has its own
-    document.apply(InsertEdit{circle(100 * kX, kX, kY), {}});
+    document.apply(on_model(InsertEdit{circle(100 * kX, kX, kY), {}}));
     expect_same_boxes(copy, random_box(random));
     expect_same_hits(copy, Polyline(circle(100 * kX, kX, kY).points), 0.1);
   }

@@ -1,94 +1,255 @@
 #include "batten/session/document.hpp"
 
 #include <algorithm>
-#include <stdexcept>
+#include <set>
+
+#include "batten/core/error.hpp"
+#include "batten/core/text.hpp"
+#include "batten/session/document_plan_detail.hpp"
 
 namespace batten {
 
-namespace {
-
-template <typename... Functions>
-struct Overloaded : Functions... {
-  using Functions::operator()...;
-};
-template <typename... Functions>
-Overloaded(Functions...) -> Overloaded<Functions...>;
-
-}  // namespace
-
-EditReport run_tool(PolylineMesh& mesh, const Edit& edit) {
-  EditReport report = std::visit(
-      Overloaded{
-          [&](const InsertEdit& e) { return insert_curve(mesh, e.stroke, e.options); },
-          [&](const DeleteEdit& e) { return delete_curve(mesh, e.curve); },
-          [&](const SharpnessEdit& e) { return set_curve_sharpness(mesh, e.curve, e.value, e.between); },
-          [&](const MirrorEdit& e) {
-            return e.curve >= 0 ? mirror_curve(mesh, e.curve, e.axis, e.options)
-                                : mirror_stroke(mesh, e.stroke, e.axis, e.options);
-          },
-          [&](const HoleEdit& e) { return cut_hole(mesh, e.stroke, e.options); },
-          [&](const GlueEdit& e) { return glue_borders(mesh, e.first, e.second, e.halves, e.options); },
-          [&](const SkinEdit& e) { return skin_profiles(mesh, e.profiles, e.spines, e.options); },
-          [&](const AlignEdit& e) { return align_model(mesh, e.reference, e.stroke); },
-          [&](const TransformEdit& e) { return transform_model(mesh, e.matrix); },
-          [&](const UndoEdit&) -> EditReport { throw std::logic_error("undo is no tool"); },
-          [&](const RedoEdit&) -> EditReport { throw std::logic_error("redo is no tool"); },
-      },
-      edit);
-  if (const std::string problem = mesh.broken_by_edit(); !problem.empty()) throw std::logic_error(problem);
-  return report;
+EditOutcome Document::apply(const Edit& edit, const Confirm& confirm) {
+  if (std::holds_alternative<UndoEdit>(edit)) return go_back(edit, confirm);
+  if (std::holds_alternative<RedoEdit>(edit)) return go_on(edit, confirm);
+  if (std::holds_alternative<CheckpointEdit>(edit)) {
+    if (confirm) confirm(edit, LogPlace::Append);
+    history_.clear();
+    n_done_ = 0;
+    for (auto model = models_.begin(); model != models_.end();)
+      model = find(model->first) ? std::next(model) : models_.erase(model);
+    log_.push_back(edit);
+    return {};
+  }
+  return carry_out(edit, confirm);
 }
 
-EditOutcome Document::apply(const Edit& edit, const Confirm& confirm) {
-  EditOutcome outcome;
-  if (std::holds_alternative<UndoEdit>(edit)) {
-    if (!can_undo()) throw RefusedEdit("there is nothing to undo", "make an edit first");
-    if (confirm) confirm(edit);
-    mesh_.undo(history_[--n_done_]);
-  } else if (std::holds_alternative<RedoEdit>(edit)) {
-    if (!can_redo())
-      throw RefusedEdit("there is nothing to redo",
-                        "undo an edit first; a new edit ends what could be redone");
-    if (confirm) confirm(edit);
-    mesh_.redo(history_[n_done_++]);
-  } else {
-    const size_t n_vertices = mesh_.vertices().size();
-    mesh_.begin();
+EditOutcome Document::go_back(const Edit& edit, const Confirm& confirm) {
+  if (!can_undo()) throw RefusedEdit("there is nothing to undo", "make an edit first");
+  if (confirm) confirm(edit, LogPlace::Append);
+  const Step& step = history_[--n_done_];
+  put(step, false);
+  log_.push_back(edit);
+  return outcome_of(step);
+}
+
+EditOutcome Document::go_on(const Edit& edit, const Confirm& confirm) {
+  if (!can_redo())
+    throw RefusedEdit("there is nothing to redo", "undo an edit first; a new edit ends what could be redone");
+  if (confirm) confirm(edit, LogPlace::Append);
+  const Step& step = history_[n_done_++];
+  put(step, true);
+  log_.push_back(edit);
+  return outcome_of(step);
+}
+
+/// What a drag that goes on has changed when this edit is done; nothing where the edit does not go on with
+/// the last one.
+std::optional<std::vector<std::string>> Document::options_of_drag(const Edit& edit) const {
+  if (log_.empty() || n_done_ == 0 || can_redo() || !within_one_drag(log_.back(), edit)) return std::nullopt;
+  std::vector<std::string> options = history_[n_done_ - 1].options;
+  // A drag that has changed nothing so far may change anything.
+  if (const auto* change = std::get_if<RequestEdit>(&edit); change && !options.empty())
+    for (const std::string& option :
+         changed_options(*object(change->object).derived()->request, change->request))
+      if (std::find(options.begin(), options.end(), option) == options.end()) return std::nullopt;
+  return options;
+}
+
+EditOutcome Document::carry_out(Edit edit, const Confirm& confirm) {
+  auto options = options_of_drag(edit);
+  if (!options) return do_edit(std::move(edit), confirm, LogPlace::Append, {});
+  // The last edit makes room for this one, which starts where the drag began.
+  Step last = std::move(history_.back());
+  history_.pop_back();
+  --n_done_;
+  put(last, false);
+  try {
+    EditOutcome outcome = do_edit(std::move(edit), confirm, LogPlace::ReplaceLast, std::move(*options));
+    outcome.merged = true;
+    return outcome;
+  } catch (...) {
+    put(last, true);
+    history_.push_back(std::move(last));
+    ++n_done_;
+    throw;
+  }
+}
+
+EditOutcome Document::do_edit(Edit edit, const Confirm& confirm, LogPlace place,
+                              std::vector<std::string> options) {
+  detail::Plan plan = detail::DocumentPlanner(*this).plan(edit);
+  Step step;
+  step.object = plan.object;
+  step.options = options.empty() ? std::move(plan.options) : std::move(options);
+  step.next_before = next_;
+  step.next_after = std::max(next_, plan.next);
+  for (detail::PlannedObject& planned : plan.objects) {
+    const auto slot = slots_.find(planned.id);
+    const Slot before = slot == slots_.end() ? Slot() : slot->second;
+    step.slots.push_back(
+        {planned.id,
+         before,
+         {std::move(planned.object), planned.new_version ? ++last_version_ : before.version}});
+  }
+  EditReport report;
+  std::vector<int> vertices;
+  if (const auto* sketch = std::get_if<ModelEdit>(&edit)) {
+    PolylineMesh& model = models_.at(step.object);
+    const std::size_t n_vertices = model.vertices().size();
+    model.begin();
     try {
-      outcome.report = run_tool(mesh_, edit);
-      if (confirm) confirm(edit);
+      report = run_tool(model, sketch->edit);
+      if (confirm) confirm(edit, place);
     } catch (...) {
-      mesh_.roll_back();
+      model.roll_back();
       throw;
     }
-    for (size_t v = n_vertices; v < mesh_.vertices().size(); ++v)
-      if (mesh_.vertices()[v].alive) outcome.vertices.push_back(static_cast<int>(v));
-    history_.resize(n_done_);
-    history_.push_back(mesh_.commit());
-    ++n_done_;
+    for (std::size_t v = n_vertices; v < model.vertices().size(); ++v)
+      if (model.vertices()[v].alive) vertices.push_back(static_cast<int>(v));
+    step.model = model.commit();
+  } else {
+    if (confirm) confirm(edit, place);
+    if (plan.model) models_[step.object] = std::move(*plan.model);
   }
-  log_.push_back(edit);
+  set_slots(step, true);
+  history_.resize(n_done_);
+  history_.push_back(std::move(step));
+  ++n_done_;
+  if (place == LogPlace::ReplaceLast) log_.pop_back();
+  log_.push_back(std::move(edit));
+  EditOutcome outcome = outcome_of(history_.back());
+  outcome.object = history_.back().object;
+  outcome.report = std::move(report);
+  outcome.vertices = std::move(vertices);
   return outcome;
 }
 
-SurfaceUpdate Document::update_surface(const DiffusionOptions& options, const Progress& progress) {
-  if (!kept_.surface || kept_.options != options) {
-    kept_.surface = std::make_unique<EditedSurface>(options);
-    kept_.options = options;
+void Document::set_slots(const Step& step, bool forwards) {
+  for (const SlotChange& change : step.slots) {
+    const Slot& slot = forwards ? change.after : change.before;
+    if (slot.object)
+      slots_[change.id] = slot;
+    else
+      slots_.erase(change.id);
   }
-  return kept_.surface->update(mesh_, progress);
+  next_ = forwards ? step.next_after : step.next_before;
 }
 
-DiffusionSurface Document::surface(const DiffusionOptions& options, const Progress& progress) {
-  update_surface(options, progress);
-  return kept_.surface->surface(mesh_);
+void Document::put(const Step& step, bool forwards) {
+  set_slots(step, forwards);
+  if (!step.model) return;
+  PolylineMesh& model = models_.at(step.object);
+  if (forwards)
+    model.redo(*step.model);
+  else
+    model.undo(*step.model);
 }
 
-Document Document::restored(PolylineMesh mesh, std::vector<Edit> log) {
+EditOutcome Document::outcome_of(const Step& step) const {
+  EditOutcome outcome;
+  for (const SlotChange& change : step.slots) {
+    if (change.before.object != change.after.object || change.id == step.object)
+      outcome.changed.push_back(change.id);
+    const Object* object = find(change.id);
+    if (object && object->derived() && change.before.version != change.after.version)
+      outcome.outdated.push_back(change.id);
+  }
+  return outcome;
+}
+
+std::vector<ObjectId> Document::objects() const {
+  std::vector<ObjectId> ids;
+  ids.reserve(slots_.size());
+  for (const auto& [id, slot] : slots_) ids.push_back(id);
+  return ids;
+}
+
+const Object* Document::find(ObjectId id) const {
+  const auto slot = slots_.find(id);
+  return slot == slots_.end() ? nullptr : slot->second.object.get();
+}
+
+ObjectId Document::find(std::string_view name) const {
+  for (const auto& [id, slot] : slots_)
+    if (slot.object->name == name) return id;
+  return {};
+}
+
+const Object& Document::object(ObjectId id) const {
+  const Object* object = find(id);
+  if (!object) throw InvalidInput(concat("there is no object o", id.number));
+  return *object;
+}
+
+std::shared_ptr<const Object> Document::shared(ObjectId id) const {
+  const auto slot = slots_.find(id);
+  return slot == slots_.end() ? nullptr : slot->second.object;
+}
+
+const PolylineMesh& Document::model(ObjectId id) const {
+  if (object(id).kind() != ObjectKind::Model) throw InvalidInput(concat("o", id.number, " is no model"));
+  return models_.at(id);
+}
+
+const std::string& Document::unit(ObjectId id) const {
+  const Object* object = &this->object(id);
+  while (const Derived* derived = object->derived()) object = &this->object(derived->source);
+  return object->unit;
+}
+
+std::uint64_t Document::version(ObjectId id) const {
+  object(id);
+  return slots_.at(id).version;
+}
+
+std::vector<ObjectId> Document::out_of_date(const std::map<ObjectId, std::uint64_t>& made) const {
+  std::vector<ObjectId> ids;
+  for (const auto& [id, slot] : slots_) {
+    if (!slot.object->derived()) continue;
+    const auto known = made.find(id);
+    if (known == made.end() || known->second != slot.version) ids.push_back(id);
+  }
+  return ids;
+}
+
+std::vector<ObjectId> Document::derived_from(ObjectId id) const {
+  std::set<ObjectId> reached{id};
+  std::vector<ObjectId> ids;
+  for (const auto& [other, slot] : slots_) {  // sources have lower numbers
+    const Derived* derived = slot.object->derived();
+    if (!derived || reached.count(derived->source) == 0) continue;
+    reached.insert(other);
+    ids.push_back(other);
+  }
+  return ids;
+}
+
+Document Document::restored(const std::map<ObjectId, Object>& objects,
+                            const std::map<ObjectId, SharedModel>& models) {
   Document document;
-  document.mesh_ = std::move(mesh);
-  document.log_ = std::move(log);
+  for (const auto& [id, object] : objects) {
+    if (const Derived* derived = object.derived()) {
+      document.apply(DeriveEdit{id, object.name, derived->source, *derived->request});
+      continue;
+    }
+    const auto model = models.find(id);
+    document.apply(AddEdit{id, object.name, object.unit,
+                           model == models.end() ? *object.content() : Content(model->second)});
+  }
+  document.apply(CheckpointEdit{});
   return document;
+}
+
+bool Document::operator==(const Document& other) const {
+  if (slots_.size() != other.slots_.size()) return false;
+  for (auto a = slots_.begin(), b = other.slots_.begin(); a != slots_.end(); ++a, ++b) {
+    if (a->first != b->first || !(*a->second.object == *b->second.object)) return false;
+    if (a->second.object->kind() == ObjectKind::Model &&
+        !(models_.at(a->first) == other.models_.at(b->first)))
+      return false;
+  }
+  return true;
 }
 
 }  // namespace batten

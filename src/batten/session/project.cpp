@@ -1,188 +1,175 @@
 #include "batten/session/project.hpp"
 
 #include <cstdint>
-#include <cstring>
 #include <limits>
-
-#include <nlohmann/json.hpp>
 
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
 #include "batten/io/file.hpp"
 #include "batten/session/archive_detail.hpp"
+#include "batten/session/content_json_detail.hpp"
+#include "batten/session/durable_file_detail.hpp"
 #include "batten/session/edit_json.hpp"
-#include "batten/session/journal.hpp"
+#include "batten/session/edit_json_detail.hpp"
+#include "batten/session/json_fields_detail.hpp"
+#include "batten/session/project_arrays_detail.hpp"
+#include "batten/session/request_json_detail.hpp"
+#include "batten/session/session_text_detail.hpp"
 
 namespace batten {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
+using detail::Fields;
+using detail::Json;
+using Entries = std::map<std::string, std::string>;
 
-void put_number(std::string& out, double value) {
-  std::uint64_t bits = 0;
-  std::memcpy(&bits, &value, sizeof bits);
-  for (int i = 0; i < 8; ++i) out.push_back(static_cast<char>((bits >> (8 * i)) & 0xff));
-}
-
-void put_points(std::string& out, const Points& points) {
-  for (Eigen::Index i = 0; i < points.rows(); ++i)
-    for (int k = 0; k < 3; ++k) put_number(out, points(i, k));
-}
-
-/// Takes doubles from the front of the stored coordinates.
-class Coordinates {
- public:
-  explicit Coordinates(const std::string& bytes) : bytes_(bytes) {}
-  Points take(std::int64_t rows) {
-    if (rows < 0 || static_cast<std::uint64_t>(rows) > (bytes_.size() - at_) / 24)
-      throw InvalidInput("there are fewer coordinates than the model needs");
-    Points points(rows, 3);
-    for (Eigen::Index i = 0; i < rows; ++i)
-      for (int k = 0; k < 3; ++k) {
-        std::uint64_t bits = 0;
-        for (int b = 0; b < 8; ++b)
-          bits |= static_cast<std::uint64_t>(static_cast<unsigned char>(bytes_[at_++])) << (8 * b);
-        std::memcpy(&points(i, k), &bits, sizeof bits);
-      }
-    return points;
-  }
-
- private:
-  const std::string& bytes_;
-  size_t at_ = 0;
+/// The objects of a project file as they are.
+struct StoredObjects {
+  std::map<ObjectId, Object> objects;
+  std::map<ObjectId, SharedModel> models;
 };
+
+const std::string& entry_of(const Entries& entries, const std::string& name) {
+  const auto entry = entries.find(name);
+  if (entry == entries.end()) throw InvalidInput(concat("the entry ", name, " is missing"));
+  return entry->second;
+}
+
+Json parsed_entry(const Entries& entries, const std::string& name) {
+  try {
+    return detail::parse_json(entry_of(entries, name));
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(concat(name, ": ", error.what()));
+  }
+}
+
+Json json_of_object(const Document& document, ObjectId id) {
+  const Object& object = document.object(id);
+  Json json;
+  json.add("object", detail::json_of(id));
+  if (object.kind() != ObjectKind::Model || object.derived()) {
+    detail::put_object(json, object);
+    return json;
+  }
+  json.add("kind", word_of(ObjectKind::Model));
+  json.add("name", object.name);
+  json.add("unit", object.unit);
+  json.add("content", detail::json_of_model(document.model(id)));
+  return json;
+}
+
+void read_object(const Json& json, StoredObjects& stored) {
+  const Fields fields(json, "an object", {"object", "kind", "name", "unit", "content", "source", "request"});
+  const auto id_in = [&](const char* name) {
+    return ObjectId{fields.id_of(fields.require(name), name, 'o', "the id of an object")};
+  };
+  const ObjectId id = id_in("object");
+  Object& object = stored.objects[id];
+  object.name = fields.text_of(fields.require("name"), "name");
+  if (const Json* request = fields.find("request")) {
+    object.body = Derived{id_in("source"), std::make_shared<const Request>(detail::request_of(*request))};
+    return;
+  }
+  object.unit = fields.text_of(fields.require("unit"), "unit");
+  const auto kind = fields.choice<ObjectKind>(fields.require("kind"), "kind");
+  object.body = detail::content_of(kind, fields.require("content"));
+  if (kind == ObjectKind::Model) stored.models[id] = std::get<SharedModel>(*object.content());
+}
+
+StoredObjects objects_of_format_2(const Json& project) {
+  const Fields fields(project, "project.json", {"batten_project", "objects"});
+  const Json& list = fields.require("objects");
+  if (!list.is_list()) fields.fail("objects", "a list of objects");
+  StoredObjects stored;
+  for (std::size_t i = 0; i < list.size(); ++i) read_object(list.at(i), stored);
+  return stored;
+}
+
+/// Format 1: one model, its coordinates in an entry of their own.
+StoredObjects objects_of_format_1(const Json& project, const Entries& entries) {
+  const Fields fields(project, "project.json",
+                      {"batten_project", "unit", "curves", "vertices", "edges", "faces"});
+  Json model;
+  for (const char* name : {"curves", "vertices", "edges", "faces"}) model.add(name, fields.require(name));
+  model.add("coordinates", detail::doubles_of(entry_of(entries, "coordinates.f64"), "coordinates.f64"));
+  StoredObjects stored;
+  const ObjectId id{1};
+  stored.models[id] = std::make_shared<const PolylineMesh>(detail::model_of(model));
+  stored.objects[id] = {"model", fields.text_of(fields.require("unit"), "unit"), Content(SharedModel())};
+  return stored;
+}
+
+/// The document that a journal leads to, where it can be played.
+std::optional<Document> replayed(const Session& session) {
+  Document document;
+  try {
+    for (const SessionEdit& edit : session.edits) document.apply(edit.edit);
+  } catch (const InvalidInput&) {
+    return std::nullopt;
+  }
+  return document;
+}
 
 }  // namespace
 
-std::string format_project(const Project& project) {
-  const PolylineMesh& mesh = project.document.mesh();
-  Json json = Json::object();
-  json["batten_project"] = 1;
-  json["unit"] = project.unit;
-  json["curves"] = mesh.n_curves();
-  std::string coordinates;
-  // Removed elements are null: numbers stay what they were.
-  Json& vertices = json["vertices"] = Json::array();
-  for (const SketchVertex& vertex : mesh.vertices()) {
-    if (!vertex.alive) {
-      vertices.push_back(nullptr);
-      continue;
-    }
-    vertices.push_back({{"edges", vertex.edges}, {"seam", vertex.is_seam}});
-    put_points(coordinates, Points(vertex.position.transpose()));
+std::string format_project(const Document& document) {
+  Entries entries;
+  detail::ArrayWriter arrays(entries);
+  Json::List objects;
+  for (const ObjectId id : document.objects()) objects.push_back(json_of_object(document, id));
+  Json project;
+  project.add("batten_project", 2);
+  project.add("objects", std::move(objects));
+  arrays.move_out(project);
+  std::string& journal = entries["journal.jsonl"] = format_session_header() + '\n';
+  for (const Edit& edit : document.log()) {
+    Json line = detail::json_of(edit);
+    arrays.move_out(line);
+    journal += detail::format_json(line) + '\n';
   }
-  Json& edges = json["edges"] = Json::array();
-  for (const SketchEdge& edge : mesh.edges()) {
-    if (!edge.alive) {
-      edges.push_back(nullptr);
-      continue;
-    }
-    edges.push_back({{"vertices", edge.vertices},
-                     {"faces", edge.faces},
-                     {"curve", edge.curve},
-                     {"sharpness", edge.sharpness},
-                     {"drawn", edge.drawn},
-                     {"points", edge.polyline->n_points()}});
-    put_points(coordinates, edge.polyline->points());
-  }
-  Json& faces = json["faces"] = Json::array();
-  for (const SketchFace& face : mesh.faces())
-    if (face.alive)
-      faces.push_back(face.sides);
-    else
-      faces.push_back(nullptr);
-  std::string journal = format_session_header(project.unit) + '\n';
-  for (const Edit& edit : project.document.log()) journal += format_edit(edit) + '\n';
-  return detail::format_archive(
-      {{"project.json", json.dump(1) + '\n'}, {"coordinates.f64", coordinates}, {"journal.jsonl", journal}});
+  entries["project.json"] = detail::format_json(project, true) + '\n';
+  return detail::format_archive(entries);
 }
 
-void write_project(const std::string& path, const Project& project) {
-  const std::string bytes = format_project(project);
+void write_project(const std::string& path, const Document& document) {
+  const std::string bytes = format_project(document);
   if (bytes.size() >= std::numeric_limits<std::uint32_t>::max())
-    throw FileError(path, 0, "the project is larger than 4 GB; draw strokes with fewer points");
-  write_file(path, bytes);
+    throw FileError(path, 0, "the project is larger than 4 GB; take large objects out of it");
+  detail::write_durably(path, bytes);
 }
 
-Project parse_project(const std::string& bytes, const std::string& path, std::vector<std::string>* warnings) {
-  Project project;
-  PolylineMesh mesh;
-  std::vector<SessionEdit> edits;
+ProjectFile parse_project(const std::string& bytes, const std::string& path) {
+  ProjectFile file;
   try {
-    const auto entries = detail::parse_archive(bytes);
-    for (const char* name : {"project.json", "coordinates.f64", "journal.jsonl"})
-      if (entries.count(name) == 0) throw InvalidInput(concat("the entry ", name, " is missing"));
-    const Json json = Json::parse(entries.at("project.json"));
-    if (json.at("batten_project") != 1)
-      throw InvalidInput("version 1 of the project format is known, this is another");
-    project.unit = json.at("unit").get<std::string>();
-    Coordinates coordinates(entries.at("coordinates.f64"));
-    std::vector<SketchVertex> vertices;
-    for (const Json& stored : json.at("vertices")) {
-      SketchVertex& vertex = vertices.emplace_back();
-      if (stored.is_null()) continue;
-      vertex.alive = true;
-      vertex.edges = stored.at("edges").get<std::vector<int>>();
-      vertex.is_seam = stored.at("seam").get<bool>();
-      vertex.position = coordinates.take(1).row(0);
-    }
-    std::vector<SketchEdge> edges;
-    for (const Json& stored : json.at("edges")) {
-      SketchEdge& edge = edges.emplace_back();
-      if (stored.is_null()) continue;
-      edge.alive = true;
-      edge.vertices = stored.at("vertices").get<std::array<int, 2>>();
-      edge.faces = stored.at("faces").get<std::array<int, 2>>();
-      edge.curve = stored.at("curve").get<int>();
-      edge.sharpness = stored.at("sharpness").get<double>();
-      edge.drawn = stored.at("drawn").get<bool>();
-      const auto n = stored.at("points").get<std::int64_t>();
-      if (n < 2) throw InvalidInput("an edge has fewer than two points");
-      edge.polyline = std::make_shared<Polyline>(coordinates.take(n));
-    }
-    std::vector<SketchFace> faces;
-    for (const Json& stored : json.at("faces")) {
-      SketchFace& face = faces.emplace_back();
-      if (stored.is_null()) continue;
-      face.alive = true;
-      face.sides = stored.get<std::vector<int>>();
-    }
-    // Every curve was made with an edge; more would only be a way to ask for memory.
-    if (json.at("curves").get<std::int64_t>() < 0 ||
-        json.at("curves").get<std::int64_t>() > static_cast<std::int64_t>(edges.size()))
-      throw InvalidInput("there are more curves than edges");
-    mesh = PolylineMeshReader::assemble(std::move(vertices), std::move(edges), std::move(faces),
-                                        json.at("curves").get<int>());
-    edits = parse_session(entries.at("journal.jsonl"), "journal.jsonl").edits;
-  } catch (const Json::exception& error) {
-    throw FileError(path, 0, concat("project.json is damaged: ", error.what()));
+    const Entries entries = detail::parse_archive(bytes);
+    Json project = parsed_entry(entries, "project.json");
+    const Json* format = project.find("batten_project");
+    if (!format || (!(*format == Json(1)) && !(*format == Json(2))))
+      throw InvalidInput("versions 1 and 2 of the project format are known, this is another");
+    file.format = *format == Json(1) ? 1 : 2;
+    detail::move_in(project, entries);
+    const StoredObjects stored =
+        file.format == 1 ? objects_of_format_1(project, entries) : objects_of_format_2(project);
+    const Session session = detail::parse_session(entry_of(entries, "journal.jsonl"), "journal.jsonl",
+                                                  [&](Json& line) { detail::move_in(line, entries); });
+    file.document = Document::restored(stored.objects, stored.models);
+    std::optional<Document> played = replayed(session);
+    if (played && *played == file.document)
+      file.document = std::move(*played);
+    else
+      file.warnings.push_back(
+          concat(path,
+                 ": its journal does not lead to the stored objects, which hold; what was done "
+                 "before cannot be undone"));
   } catch (const InvalidInput& error) {
     throw FileError(path, 0, error.what());
   }
-  bool same = false;
-  try {
-    for (const SessionEdit& edit : edits) project.document.apply(edit.edit);
-    same = project.document.mesh() == mesh;
-  } catch (const RefusedEdit&) {
-    same = false;
-  }
-  if (!same) {
-    std::vector<Edit> log;
-    log.reserve(edits.size());
-    for (const SessionEdit& edit : edits) log.push_back(edit.edit);
-    project.document = Document::restored(std::move(mesh), std::move(log));
-    if (warnings)
-      warnings->push_back(
-          concat(path,
-                 ": its journal does not lead to the stored model, which holds; what was done "
-                 "before cannot be undone"));
-  }
-  return project;
+  return file;
 }
 
-Project read_project(const std::string& path, std::vector<std::string>* warnings) {
-  return parse_project(read_file(path), path, warnings);
+ProjectFile read_project(const std::string& path) {
+  return parse_project(read_file(path), path);
 }
 
 }  // namespace batten
