@@ -10,7 +10,7 @@
 #include "batten/core/units.hpp"
 #include "batten/deformation/deformer.hpp"
 #include "batten/fairing/fair.hpp"
-#include "batten/io/handles_io.hpp"
+#include "batten/mesh/handles.hpp"
 #include "batten/modelling/model_surface.hpp"
 #include "batten/pipeline/network_surface.hpp"
 #include "batten/remeshing/remesh.hpp"
@@ -50,12 +50,12 @@ struct ModelSurfaceRequest {
   ModelSurfaceOptions options;
 };
 
-/// A mesh without its noise: fair().
+/// A mesh without its noise: faired_mesh().
 struct FairRequest {
   FairingOptions options;
 };
 
-/// New triangles for a mesh: remesh().
+/// New triangles for a mesh: remeshed_mesh().
 struct RemeshRequest {
   RemeshOptions options;              ///< its `sizes` are left empty: see below
   std::optional<Length> edge_length;  ///< instead of that of the options; relative: of the diameter
@@ -63,13 +63,13 @@ struct RemeshRequest {
   std::string sizes;
 };
 
-/// A mesh with fewer faces: simplify().
+/// A mesh with fewer faces: simplified_mesh().
 struct SimplifyRequest {
   SimplifyOptions options;
   std::optional<Length> max_error;  ///< instead of that of the options; relative: of the diameter
 };
 
-/// A mesh as the cage of a subdivision surface: subdivide().
+/// A mesh as the cage of a subdivision surface: subdivided_cage().
 struct SubdivideRequest {
   SubdivisionOptions options;
 };
@@ -87,7 +87,7 @@ struct MovedVertices {
   std::shared_ptr<const Points> targets;  ///< null: the motion above holds
 };
 
-/// A mesh bent by handles: Deformer, or MultiresolutionDeformer.
+/// A mesh bent by handles: deformed_mesh().
 struct DeformRequest {
   DeformOptions options;
   bool multiresolution = false;
