@@ -42,9 +42,9 @@ struct Work {
   std::function<void(const Progress&)> run;
 };
 
-// What the commands that take long are made of reports all along, checks of the result among it, and stops at any
-// report. At 10,000 vertices each takes half a second or so; a quarter of it without a report would be a stage
-// that has none.
+// What the commands that take long are made of reports all along, checks of the result among it, and stops at
+// any report. At 10,000 vertices each takes half a second or so; a quarter of it without a report would be a
+// stage that has none.
 TEST(ReportGaps, EveryRequestReportsAllAlongAndStopsWhereItIsTold) {
   const TriangleMesh mesh = torus(140);
   TriangleMesh noisy = mesh;
