@@ -10,10 +10,6 @@
 
 namespace batten {
 
-namespace {
-constexpr std::size_t kMostCrossings = 1000;
-}
-
 std::optional<std::string> SimplifiedMeshOptions::problem() const {
   if (!max_error) return simplify.problem();
   if (!(max_error->value > 0 && std::isfinite(max_error->value)))
@@ -43,6 +39,7 @@ SimplifiedMesh simplified_mesh(const TriangleMesh& mesh, const SimplifiedMeshOpt
   result.distances = compare({mesh.positions, mesh.triangles, {}}, {small.positions, small.triangles, {}}, {},
                              progress.part("check", 0, 0.6));
   result.quality = mesh_quality(small.positions, small.triangles);
+  constexpr std::size_t kMostCrossings = 1000;
   const auto crossings = [&](const TriangleMesh& of, double from, double to) {
     return self_intersections(of.positions, of.triangles, kMostCrossings, progress.part("check", from, to))
         .size();
