@@ -1,7 +1,9 @@
 #include "command.hpp"
 
 #include "report_page.hpp"
+#include "suggestions.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <csignal>
@@ -16,12 +18,13 @@
 #include "batten/core/error.hpp"
 #include "batten/core/parallel.hpp"
 #include "batten/core/text.hpp"
+#include "batten/io/file.hpp"
 
 namespace batten::cli {
 
 namespace {
 
-enum ExitCode { kOk = 0, kWorkFailed = 1, kBadUsage = 2, kBadInput = 3 };
+enum ExitCode { kOk = 0, kWorkFailed = 1, kBadUsage = 2, kBadInput = 3, kInterrupted = 130 };
 
 std::atomic<bool> interrupted{false};
 
@@ -30,6 +33,7 @@ struct Chosen {
   CLI::App* command = nullptr;
   Work work;
   bool json = false;
+  bool quiet = false;
   std::string report;           ///< path of the HTML report, or empty
   std::string threads = "all";  ///< as given, or "all"
 };
@@ -58,7 +62,7 @@ void choose_threads() {
 }
 
 Progress terminal_progress() {
-  const bool visible = isatty(STDERR_FILENO) != 0;
+  const bool visible = isatty(STDERR_FILENO) != 0 && !chosen.quiet;
   auto last = std::make_shared<std::chrono::steady_clock::time_point>();
   return Progress([visible, last](std::string_view stage, double fraction) {
     const auto now = std::chrono::steady_clock::now();
@@ -95,7 +99,7 @@ Json option_values(const CLI::App& command) {
   Json values = Json::object();
   for (const CLI::Option* option : command.get_options()) {
     const std::string name = option->get_single_name();
-    if (name != "help" && name != "json") values[name] = option_value(*option);
+    if (name != "help" && name != "json" && name != "quiet") values[name] = option_value(*option);
   }
   values["threads"] = thread_count();  // in use, wherever the number comes from
   return values;
@@ -103,6 +107,7 @@ Json option_values(const CLI::App& command) {
 
 void print(const Outcome& outcome) {
   if (!chosen.json) {
+    if (chosen.quiet) return;
     for (const std::string& line : outcome.lines) std::cout << line << '\n';
     for (const std::string& warning : outcome.warnings) std::cerr << "warning: " << warning << '\n';
     return;
@@ -119,9 +124,35 @@ void print(const Outcome& outcome) {
   std::cout << object.dump(2) << '\n';
 }
 
-int fail(ExitCode code, std::string_view sentence) {
+const char* word_of(ExitCode code) {
+  switch (code) {
+    case kBadUsage:
+      return "usage";
+    case kBadInput:
+      return "input";
+    case kInterrupted:
+      return "interrupted";
+    default:
+      return "failed";
+  }
+}
+
+/// Says on standard error what went wrong; with --json also as the one object on standard output, unless
+/// that already holds what was made.
+/// @param file what the sentence begins with, or empty.
+int fail(ExitCode code, std::string_view sentence, bool printed = false, const std::string& file = {},
+         long line = 0) {
   clear_progress_line();
   std::cerr << "batten: " << sentence << '\n';
+  if (!chosen.json || printed) return code;
+  // By convention a sentence says what is wrong, and behind the last semicolon what helps.
+  const std::size_t remedy = sentence.rfind("; ");
+  Json error = {{"code", word_of(code)}, {"message", sentence}};
+  error["file"] = file.empty() ? Json(nullptr) : Json(file);
+  error["line"] = line > 0 ? Json(line) : Json(nullptr);
+  error["remedy"] = remedy == std::string_view::npos ? Json(nullptr) : Json(sentence.substr(remedy + 2));
+  std::cout << Json{{"error", error}}.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
+  std::cout.flush();
   return code;
 }
 
@@ -134,17 +165,21 @@ int run_chosen() {
     clear_progress_line();
     print(outcome);
     std::cout.flush();
-    if (!std::cout) return fail(kBadInput, "standard output cannot be written");
-    if (!outcome.refusal.empty()) return fail(kBadInput, outcome.refusal);
-    return outcome.failure.empty() ? kOk : fail(kWorkFailed, outcome.failure);
+    if (!std::cout) return fail(kBadInput, "standard output cannot be written", true);
+    if (!outcome.refusal.empty()) return fail(kBadInput, outcome.refusal, true);
+    return outcome.failure.empty() ? kOk : fail(kWorkFailed, outcome.failure, true);
   } catch (const CLI::Error& error) {
     return fail(kBadUsage, error.what());
+  } catch (const UnknownExtension& error) {
+    return fail(kBadUsage, error.what(), false, error.path());
+  } catch (const FileError& error) {
+    return fail(kBadInput, error.what(), false, error.path(), error.line());
   } catch (const InvalidInput& error) {
     return fail(kBadInput, error.what());
   } catch (const Cancelled& error) {
-    fail(kWorkFailed, error.what());
+    fail(kInterrupted, error.what());
     std::fflush(nullptr);
-    std::_Exit(kWorkFailed);  // at once: a factorisation that cannot be interrupted may still be going on
+    std::_Exit(kInterrupted);  // at once: a factorisation that cannot be interrupted may still be going on
   } catch (const Error& error) {
     return fail(kWorkFailed, error.what());
   } catch (const std::bad_alloc&) {
@@ -161,6 +196,7 @@ CLI::App* add_command(CLI::App& app, const std::string& name, const std::string&
   CLI::App* command = app.add_subcommand(name, description);
   command->footer("Example:\n  " + example);
   command->add_flag("--json", chosen.json, "Print exactly one JSON object to standard output");
+  command->add_flag("--quiet", chosen.quiet, "Print nothing but errors");
   command->add_option("--report", chosen.report,
                       "Write an HTML report with pictures, figures, stage times and options");
   command->option_defaults()->always_capture_default();
@@ -204,6 +240,41 @@ CLI::Validator parses(const std::string& form, std::function<void(const std::str
           form};
 }
 
+namespace {
+
+/// What a mistyped command or option was most likely meant to be, as a sentence, or nothing.
+std::string suggestion(const CLI::App& app, const std::vector<std::string>& arguments) {
+  if (arguments.empty()) return {};
+  std::vector<std::string> names;
+  const CLI::App* command = nullptr;
+  for (const CLI::App* each : app.get_subcommands({})) {
+    names.push_back(each->get_name());
+    if (each->get_name() == arguments[0]) command = each;
+  }
+  if (command == nullptr) {
+    if (arguments[0].rfind('-', 0) == 0) return {};
+    const std::string nearest = nearest_name(arguments[0], names);
+    return concat("there is no command '", arguments[0], "'; ",
+                  nearest.empty() ? std::string("run batten --help for all of them")
+                                  : concat("did you mean ", nearest, "?"));
+  }
+  std::vector<std::string> options;
+  for (const CLI::Option* option : command->get_options())
+    for (const std::string& name : option->get_lnames()) options.push_back("--" + name);
+  for (const std::string& argument : arguments) {
+    const std::string given = argument.substr(0, argument.find('='));
+    if (given.rfind("--", 0) != 0 || given.size() < 4) continue;
+    if (std::find(options.begin(), options.end(), given) != options.end()) continue;
+    const std::string nearest = nearest_name(given, options);
+    return concat("batten ", arguments[0], " has no option ", given, "; ",
+                  nearest.empty() ? concat("run batten ", arguments[0], " --help for all of them")
+                                  : concat("did you mean ", nearest, "?"));
+  }
+  return {};
+}
+
+}  // namespace
+
 int run(int argc, char** argv) {
   std::signal(SIGINT, [](int) { interrupted = true; });
   CLI::App app("Batten turns curves traced on an object into a fair surface.", "batten");
@@ -230,8 +301,12 @@ int run(int argc, char** argv) {
   } catch (const CLI::Success& request) {  // --help, --version
     return app.exit(request);
   } catch (const CLI::ParseError& error) {
-    app.exit(error);
-    return kBadUsage;
+    const std::vector<std::string> arguments(argv + 1, argv + argc);
+    // Not parsed: the flag is looked for by hand.
+    chosen.json = std::find(arguments.begin(), arguments.end(), "--json") != arguments.end();
+    if (const std::string sentence = suggestion(app, arguments); !sentence.empty())
+      return fail(kBadUsage, sentence);
+    return fail(kBadUsage, concat(error.what(), "; run with --help for more information"));
   } catch (const InvalidInput& error) {  // a length or an angle that does not parse
     return fail(kBadUsage, error.what());
   }

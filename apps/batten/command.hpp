@@ -38,7 +38,8 @@ struct Context {
 using Work = std::function<Outcome(Context&)>;
 
 /// Adds a subcommand. `options` are listed by CLI11 as usual; the values of all of them, given or default,
-/// are repeated in the "options" of the JSON object. `--json`, `--report` and `--threads` are added here.
+/// are repeated in the "options" of the JSON object. `--json`, `--quiet`, `--report` and
+/// `--threads` are added here.
 /// @param example one line, shown at the end of --help.
 CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& description,
                       const std::string& example, Work work);
@@ -47,7 +48,7 @@ CLI::App* add_command(CLI::App& app, const std::string& name, const std::string&
 /// value is bad usage and its sentence the answer. `form` stands for the value in --help.
 CLI::Validator parses(const std::string& form, std::function<void(const std::string&)> parse);
 
-/// Runs the program. Exit codes: 0 ok, 1 the work failed, 2 bad usage, 3 bad input.
+/// Runs the program. Exit codes: 0 ok, 1 the work failed, 2 bad usage, 3 bad input, 130 interrupted.
 int run(int argc, char** argv);
 
 // One function per command, each in its own source; registered in main.cpp.

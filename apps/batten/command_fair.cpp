@@ -33,8 +33,8 @@ Outcome run_fair(const FairArguments& arguments, Context& context) {
   TriangleMesh mesh;
   {
     const ScopedStage stage(outcome.times, "read");
-    mesh = read_mesh_to_process(arguments.input, outcome.warnings);
     mesh_format(arguments.output);  // an extension that cannot be written is refused before the work
+    mesh = read_mesh_to_process(arguments.input, outcome.warnings);
   }
   FairingOptions options;
   options.method = parse_choice<FairingMethod>(arguments.method);

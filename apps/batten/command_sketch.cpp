@@ -215,7 +215,7 @@ Document read_document(const SketchArguments& arguments, Context& context, Outco
 
 Outcome run_sketch(const SketchArguments& arguments, Context& context) {
   if (file_extension(arguments.output) != "batten")
-    throw FileError(arguments.output, 0, "the output is a project; its extension must be .batten");
+    throw UnknownExtension(arguments.output, "is no project by its extension; use .batten");
   if (!arguments.surface.empty()) mesh_format(arguments.surface);
   if (!arguments.step.empty()) require_step();
   Outcome outcome;

@@ -53,7 +53,7 @@ void check_arguments(const SubdivideArguments& arguments) {
   if (!arguments.step.empty()) {
     const std::string extension = file_extension(arguments.step);
     if (extension != "step" && extension != "stp")
-      throw FileError(arguments.step, 0, "is no STEP file by its extension; use .step or .stp");
+      throw UnknownExtension(arguments.step, "is no STEP file by its extension; use .step or .stp");
     if (parse_schemes(arguments.scheme).back() != SubdivisionScheme::CatmullClark)
       throw CLI::ValidationError("--step",
                                  "writes the limit surface of Catmull-Clark; the other schemes have no "

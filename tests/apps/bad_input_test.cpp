@@ -4,9 +4,12 @@
 #include <filesystem>
 #include <set>
 #include <sstream>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 namespace batten::test {
 namespace {
@@ -19,12 +22,13 @@ std::set<std::string> files() {
   return names;
 }
 
-/// Bad input ends with 3, nothing on stdout, one sentence on stderr that holds every word given, no new file.
-void expect_refused(const std::string& arguments, const std::vector<std::string>& words) {
+/// Bad input ends with 3 (bad usage with 2), nothing on stdout, one sentence on stderr that holds every word
+/// given, no new file.
+void expect_refused(const std::string& arguments, const std::vector<std::string>& words, int exit_code = 3) {
   SCOPED_TRACE("batten " + arguments);
   const std::set<std::string> before = files();
   const auto run = run_batten(arguments);
-  EXPECT_EQ(run.exit_code, 3) << run.err;
+  EXPECT_EQ(run.exit_code, exit_code) << run.err;
   EXPECT_EQ(run.out, "");
   EXPECT_EQ(run.err.rfind("batten: ", 0), 0U) << run.err;
   EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
@@ -254,7 +258,7 @@ TEST(BadInput, OutputThatCannotBeWrittenIsToldAndLeavesNothing) {
   for (const char* line :
        {"network good.rawnet -o out.xyz", "surface good.rawnet -o out.xyz",
         "reconstruct good.rawnet -o out.xyz", "reconstruct good.rawnet -o out.ply --network out.xyz"})
-    expect_refused(line, {"out.xyz", "extension"});
+    expect_refused(line, {"out.xyz", "extension"}, 2);
   expect_refused("simulate sphere --step 5% -o no/such/folder/scan.rawnet", {"scan.rawnet"});
   expect_refused("convert t.off no/such/folder/t.ply", {"t.ply"});
   expect_refused("render t.off --size 40x40 -o no/such/folder/t.png", {"t.png"});
@@ -317,6 +321,73 @@ TEST(BadUsage, EndsWithTwoAndSaysWhatIsWrong) {
     EXPECT_NE(run.err, "");
     EXPECT_EQ(files(), before);
   }
+}
+
+// With --json an error is one object on standard output, whatever stage it comes from.
+TEST(BadInput, ErrorsAreOneJsonObject) {
+  write_file("empty.ply", "");
+  write_file("broken.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 x 0\n3 0 1 2\n");
+  struct Case {
+    const char *line, *code, *file;
+    int exit_code;
+    long at;
+    bool has_remedy;
+  };
+  for (const Case& c :
+       {Case{"fair none.ply -o out.ply --json", "input", "none.ply", 3, 0, false},
+        Case{"fair broken.off -o out.ply --json", "input", "broken.off", 3, 5, false},
+        Case{"fair broken.off -o out.xyz --json", "usage", "out.xyz", 2, 0, true},
+        Case{"fair broken.off -o out.ply --iteratoins 3 --json", "usage", nullptr, 2, 0, true},
+        Case{"simplify broken.off --json", "usage", nullptr, 2, 0, true}}) {
+    SCOPED_TRACE(c.line);
+    const auto run = run_batten(c.line);
+    EXPECT_EQ(run.exit_code, c.exit_code);
+    const auto json = nlohmann::json::parse(run.out, nullptr, false);
+    ASSERT_TRUE(json.is_object() && json.size() == 1 && json.contains("error")) << run.out;
+    const auto& error = json["error"];
+    EXPECT_EQ(error["code"], c.code);
+    EXPECT_EQ("batten: " + error["message"].get<std::string>() + "\n", run.err);
+    if (c.file != nullptr) {
+      EXPECT_EQ(error["file"], c.file);
+    } else {
+      EXPECT_TRUE(error["file"].is_null());
+    }
+    EXPECT_EQ(error["line"].is_null() ? 0 : error["line"].get<long>(), c.at);
+    EXPECT_EQ(error["remedy"].is_string(), c.has_remedy);
+  }
+}
+
+TEST(BadInput, MistypedNamesNameTheNearest) {
+  for (const auto& [line, word] :
+       {std::pair{"fari x.ply -o y.ply", "did you mean fair?"},
+        {"remsh x.ply", "did you mean remesh?"},
+        {"fair x.ply --otput y.ply", "did you mean --output?"},
+        {"simplify x.ply --keep-edgs=30deg -o y.ply", "did you mean --keep-edges?"},
+        {"frobnicate x.ply", "batten --help"},
+        {"fair x.ply -o y.ply --frobnicate 3", "batten fair --help"}}) {
+    const auto run = run_batten(line);
+    EXPECT_EQ(run.exit_code, 2) << line;
+    EXPECT_NE(run.err.find(word), std::string::npos) << line << ": " << run.err;
+  }
+}
+
+TEST(BadInput, QuietRunsSayNothingButErrors) {
+  write_file("tetra.off", "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2\n");
+  const auto run = run_batten("convert tetra.off tetra.stl --quiet");
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(run.out + run.err, "");
+  EXPECT_TRUE(file_exists("tetra.stl"));
+  EXPECT_NE(run_batten("convert none.off tetra.stl --quiet").err, "");
+}
+
+// 1e300 fits none of the numbers that binary STL has; the old file stays.
+TEST(BadInput, NumbersThatAFormatCannotHoldAreRefused) {
+  write_file("far.off", "OFF\n3 1 0\n0 0 0\n1e300 0 0\n0 1 0\n3 0 1 2\n");
+  write_file("far.stl", "old");
+  const auto run = run_batten("convert far.off far.stl");
+  EXPECT_EQ(run.exit_code, 3);
+  EXPECT_NE(run.err.find("3.40282e+38"), std::string::npos) << run.err;
+  EXPECT_EQ(read_file("far.stl"), "old");
 }
 
 }  // namespace

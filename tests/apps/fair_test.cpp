@@ -82,7 +82,7 @@ TEST(FairCommand, TellsBadUsageFromBadInput) {
   EXPECT_EQ(run_batten("fair rough.off -o a.off --noise -1").exit_code, 2);
   EXPECT_EQ(run_batten("fair rough.off").exit_code, 2);
   EXPECT_EQ(run_batten("fair missing.off -o a.off").exit_code, 3);
-  EXPECT_EQ(run_batten("fair rough.off -o a.step").exit_code, 3);
+  EXPECT_EQ(run_batten("fair rough.off -o a.step").exit_code, 2);
   EXPECT_FALSE(file_exists("a.off"));
   // One triangle inside out: refused with the place named.
   write_file("turned.off", "OFF\n4 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n3 0 3 2\n");

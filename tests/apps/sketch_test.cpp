@@ -86,7 +86,7 @@ TEST(SketchCommand, BadFilesEndWithThreeAndTheLine) {
   EXPECT_NE(run.err.find("bad.jsonl:3"), std::string::npos) << run.err;
   EXPECT_FALSE(file_exists("bad.batten"));
   EXPECT_EQ(run_batten("sketch missing.jsonl -o bad.batten").exit_code, 3);
-  EXPECT_EQ(run_batten("sketch bad.jsonl -o bad.ply").exit_code, 3);
+  EXPECT_EQ(run_batten("sketch bad.jsonl -o bad.ply").exit_code, 2);
   EXPECT_EQ(run_batten("sketch bad.jsonl").exit_code, 2);
   EXPECT_EQ(run_batten("sketch bad.jsonl -o bad.batten --method nurbs").exit_code, 2);
   EXPECT_EQ(run_batten("sketch bad.jsonl -o bad.batten --levels 99").exit_code, 2);

@@ -11,6 +11,12 @@ namespace batten {
 /// through: "off" for "bunny.off.gz". Empty where there is none.
 std::string file_extension(std::string_view path);
 
+/// The extension of a path names no format that could be meant: a slip in the command, not in a file.
+class UnknownExtension : public FileError {
+ public:
+  UnknownExtension(std::string_view path, std::string_view problem) : FileError(path, 0, problem) {}
+};
+
 /// The whole content of a file. A file compressed with gzip is unpacked, whatever its name.
 /// @throws FileError when it is missing, a directory, unreadable or its compression is damaged.
 std::string read_file(const std::string& path);

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <unordered_map>
 #include <utility>
 
@@ -339,6 +340,11 @@ std::string stl_text(const TriangleMesh& mesh, bool ascii) {
     }
     return text + "endsolid batten\n";
   }
+  constexpr double kLargest = std::numeric_limits<float>::max();
+  if (mesh.n_vertices() > 0 && mesh.positions.cwiseAbs().maxCoeff() > kLargest)
+    throw InvalidInput(concat("binary STL holds coordinates up to ", kLargest, ", but the mesh reaches ",
+                              mesh.positions.cwiseAbs().maxCoeff(),
+                              "; write .ply, .obj or .off, or scale it"));
   text.assign(80, ' ');
   text.replace(0, 6, "Batten");
   append_uint32(text, static_cast<std::uint32_t>(mesh.n_triangles()));
@@ -379,7 +385,7 @@ void refuse_compressed(const std::string& path) {
 MeshFormat mesh_format(std::string_view path) {
   MeshFormat format = MeshFormat::Ply;
   if (!format_of_extension(path, format))
-    throw FileError(path, 0, "is no mesh file by its extension; use .ply, .obj, .off or .stl");
+    throw UnknownExtension(path, "is no mesh file by its extension; use .ply, .obj, .off or .stl");
   return format;
 }
 

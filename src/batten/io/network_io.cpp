@@ -361,7 +361,7 @@ NetworkFormat network_format(std::string_view path) {
   NetworkFormat format = NetworkFormat::Net;
   if (!format_of_extension(path, format) || format == NetworkFormat::CurveText ||
       format == NetworkFormat::BSplines)
-    throw FileError(path, 0, "is no network file by its extension; use .net, .obj or .json");
+    throw UnknownExtension(path, "is no network file by its extension; use .net, .obj or .json");
   return format;
 }
 
