@@ -43,10 +43,10 @@ struct Work {
 };
 
 // What the commands that take long are made of reports all along, checks of the result among it, and stops at
-// any report. At 10,000 vertices each takes half a second or so; a quarter of it without a report would be a
+// any report. At 2,600 vertices each takes a tenth of a second or so; a quarter of it without a report would be a
 // stage that has none.
 TEST(ReportGaps, EveryRequestReportsAllAlongAndStopsWhereItIsTold) {
-  const TriangleMesh mesh = torus(140);
+  const TriangleMesh mesh = torus(72);
   TriangleMesh noisy = mesh;
   noisy.positions = add_gaussian_noise(mesh.positions, mesh.triangles, 0.2, 1);
   Handles handles;
@@ -63,8 +63,8 @@ TEST(ReportGaps, EveryRequestReportsAllAlongAndStopsWhereItIsTold) {
   device.step = 0.01;
   const Scan scan = simulate_scan(trace_shape(AnalyticShape::Torus), device).scan;
   ReconstructionOptions fine;
-  fine.surface.edge_length = Length{0.01, Length::Kind::Relative};
-  const Shape shape = shape_of(mesh), other = shape_of(torus(136));
+  fine.surface.edge_length = Length{0.02, Length::Kind::Relative};
+  const Shape shape = shape_of(mesh), other = shape_of(torus(70));
   const std::vector<Work> all{
       {"fair", [&](const Progress& p) { faired_mesh(noisy, {}, p); }},
       {"remesh", [&](const Progress& p) { remeshed_mesh(mesh, {}, p); }},
