@@ -27,12 +27,16 @@ set(BATTEN_COMMON_HEADERS <Eigen/Dense> <Eigen/Sparse> <algorithm> <array> <cmat
 # once (six seconds in every command). What stands in their unnamed namespaces has to have names of its own. Builds without
 # batches (with a compiler cache, for the browser) see to it that every source includes what it uses.
 #
-#   batten_compile_together(<target> <source>...)
+#   batten_compile_together(<target> [BATCH <n>])
+#
+# BATCH: n sources at a time, in the order in which the target lists them; else all.
 function(batten_compile_together target)
+  cmake_parse_arguments(TOGETHER "" "BATCH" "" ${ARGN})
   if(BATTEN_BATCHES)
-    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
-    list(GET ARGN 0 group)
-    set_source_files_properties(${ARGN} PROPERTIES UNITY_GROUP ${target}_${group})
+    if(NOT TOGETHER_BATCH)
+      set(TOGETHER_BATCH 0)  # no limit
+    endif()
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${TOGETHER_BATCH})
     # Types of an unnamed namespace in a class of a source: there is one such source, wherever it is included.
     target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
   endif()
