@@ -66,6 +66,10 @@ TEST(Text, SplitsOnBlanksAndOnSeparators) {
   EXPECT_EQ(split_fields("1, ,2,", ','), (std::vector<std::string_view>{"1", "", "2", ""}));
 }
 
+TEST(Text, LowerCaseKeepsWhatIsNoLetterOfAscii) {
+  EXPECT_EQ(lower_case("SOLID @[`{ é Part_7"), "solid @[`{ é part_7");
+}
+
 TEST(Error, FileErrorNamesFileAndLine) {
   EXPECT_STREQ(FileError("a.net", 3, "no vertices").what(), "a.net:3: no vertices");
   EXPECT_STREQ(FileError("a.net", 0, "no vertices").what(), "a.net: no vertices");

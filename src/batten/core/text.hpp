@@ -28,5 +28,7 @@ std::vector<std::string_view> split_blanks(std::string_view line);
 std::vector<std::string_view> split_fields(std::string_view line, char separator);
 /// The text without blanks at either end.
 std::string_view trim(std::string_view text);
+/// The text with the letters A to Z as a to z, whatever the locale.
+std::string lower_case(std::string_view text);
 
 }  // namespace batten

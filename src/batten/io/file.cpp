@@ -1,6 +1,5 @@
 #include "batten/io/file.hpp"
 
-#include <cctype>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -124,9 +123,7 @@ std::string file_extension(std::string_view path) {
     const size_t slash = name.find_last_of("/\\");
     if (dot == std::string_view::npos || (slash != std::string_view::npos && dot < slash))
       return std::string();
-    std::string extension(name.substr(dot + 1));
-    for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    return extension;
+    return lower_case(name.substr(dot + 1));
   };
   const std::string extension = last_extension(path);
   return extension == "gz" ? last_extension(path.substr(0, path.size() - 3)) : extension;

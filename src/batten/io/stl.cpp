@@ -13,13 +13,6 @@ namespace {
 
 constexpr size_t kHeader = 84, kFacet = 50;
 
-std::string lower_case(std::string_view text) {
-  std::string result(text);
-  for (char& c : result)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return result;
-}
-
 std::uint32_t little_uint32(const char* bytes) {
   std::uint32_t value = 0;
   for (int k = 4; k-- > 0;) value = value << 8 | static_cast<unsigned char>(bytes[k]);
