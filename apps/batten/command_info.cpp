@@ -43,7 +43,6 @@ void add_box(const Points& positions, Outcome& outcome) {
 }
 
 void add_mesh(const TriangleMesh& mesh, Outcome& outcome) {
-  constexpr size_t kMostPairs = 1000;
   MeshTopology topology;
   {
     ScopedStage stage(outcome.times, "topology");
@@ -60,7 +59,7 @@ void add_mesh(const TriangleMesh& mesh, Outcome& outcome) {
   std::vector<std::pair<int, int>> crossings;
   {
     ScopedStage stage(outcome.times, "self-intersections");
-    crossings = self_intersections(mesh.positions, mesh.triangles, kMostPairs);
+    crossings = self_intersections(mesh.positions, mesh.triangles, kMostListedIntersections);
   }
   Json& f = outcome.figures;
   f["edges"] = topology.n_edges;
@@ -126,7 +125,7 @@ void add_mesh(const TriangleMesh& mesh, Outcome& outcome) {
     diagnosis.push_back(concat(counted(static_cast<long>(folded.size()), "face points", "faces point"),
                                " against the normals of the vertices, the first is face ", folded[0]));
   if (!crossings.empty())
-    diagnosis.push_back(concat(crossings.size() == kMostPairs ? "at least " : "",
+    diagnosis.push_back(concat(crossings.size() == kMostListedIntersections ? "at least " : "",
                                counted(static_cast<long>(crossings.size()), "pair", "pairs"),
                                " of faces intersect, the first are faces ", crossings[0].first, " and ",
                                crossings[0].second));

@@ -40,8 +40,6 @@ SurfaceOptions surface_options(const NetworkSurfaceOptions& options, double diam
   return surface;
 }
 
-constexpr std::size_t kMostCrossings = 1000;
-
 NetworkSurface checked(SurfaceResult surface, const CurveNetwork& network, const Progress& progress) {
   NetworkSurface result;
   result.times = std::move(surface.times);
@@ -59,8 +57,8 @@ NetworkSurface checked(SurfaceResult surface, const CurveNetwork& network, const
     result.topology = mesh_topology(result.mesh.triangles, result.mesh.n_vertices());
     progress.report("check", 0.2);
     result.quality = mesh_quality(result.mesh.positions, result.mesh.triangles);
-    result.crossing_pairs = self_intersections(result.mesh.positions, result.mesh.triangles, kMostCrossings,
-                                               progress.part("check", 0.3, 1))
+    result.crossing_pairs = self_intersections(result.mesh.positions, result.mesh.triangles,
+                                               kMostListedIntersections, progress.part("check", 0.3, 1))
                                 .size();
   }
   if (result.crossing_pairs > 0)

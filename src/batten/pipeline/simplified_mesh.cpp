@@ -39,9 +39,9 @@ SimplifiedMesh simplified_mesh(const TriangleMesh& mesh, const SimplifiedMeshOpt
   result.distances = compare({mesh.positions, mesh.triangles, {}}, {small.positions, small.triangles, {}}, {},
                              progress.part("check", 0, 0.6));
   result.quality = mesh_quality(small.positions, small.triangles);
-  constexpr std::size_t kMostCrossings = 1000;
   const auto crossings = [&](const TriangleMesh& of, double from, double to) {
-    return self_intersections(of.positions, of.triangles, kMostCrossings, progress.part("check", from, to))
+    return self_intersections(of.positions, of.triangles, kMostListedIntersections,
+                              progress.part("check", from, to))
         .size();
   };
   result.input_crossings = crossings(mesh, 0.6, 0.9);
