@@ -5,9 +5,18 @@
 #include <Eigen/Core>
 
 #include "batten/mesh/shape.hpp"
+#include "batten/mesh/triangle_mesh.hpp"
 
 /// Shapes with known geometry for the tests of meshes, registration and pictures.
 namespace batten::fixtures {
+
+/// The triangles of a shape.
+inline TriangleMesh as_mesh(const Shape& shape) {
+  TriangleMesh mesh;
+  mesh.positions = shape.positions;
+  mesh.triangles = shape.triangles;
+  return mesh;
+}
 
 /// A grid over (u, v) ∈ [0, 1]² with n × m cells; `closed` glues the two ends of each direction.
 inline Shape grid(int n, int m, bool closed_u, bool closed_v,

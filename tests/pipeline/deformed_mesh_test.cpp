@@ -17,13 +17,9 @@ constexpr int kAround = 12, kAlong = 16;
 
 /// An open tube along z, 12 vertices around, of radius 0.3 and length 2.
 TriangleMesh tube() {
-  const Shape shape = fixtures::grid(kAround, kAlong, true, false, [](double u, double v) {
+  return fixtures::as_mesh(fixtures::grid(kAround, kAlong, true, false, [](double u, double v) {
     return Eigen::Vector3d(0.3 * std::cos(2 * kPi * u), 0.3 * std::sin(2 * kPi * u), 2 * v);
-  });
-  TriangleMesh mesh;
-  mesh.positions = shape.positions;
-  mesh.triangles = shape.triangles;
-  return mesh;
+  }));
 }
 
 /// The lower ring stays, the upper one moves.

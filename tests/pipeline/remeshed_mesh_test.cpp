@@ -12,14 +12,10 @@ namespace batten {
 namespace {
 
 TriangleMesh torus() {
-  const Shape shape = fixtures::grid(24, 12, true, true, [](double u, double v) {
+  return fixtures::as_mesh(fixtures::grid(24, 12, true, true, [](double u, double v) {
     const double a = 2 * kPi * u, b = 2 * kPi * v, r = 2 + 0.7 * std::cos(b);
     return Eigen::Vector3d(r * std::cos(a), r * std::sin(a), 0.7 * std::sin(b));
-  });
-  TriangleMesh mesh;
-  mesh.positions = shape.positions;
-  mesh.triangles = shape.triangles;
-  return mesh;
+  }));
 }
 
 TEST(RemeshedMesh, IsThatOfTheRoomBelowWithItsMeasures) {

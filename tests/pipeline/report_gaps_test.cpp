@@ -27,14 +27,10 @@ namespace {
 
 /// A torus of n × n / 2 cells.
 TriangleMesh torus(int n) {
-  const Shape shape = fixtures::grid(n, n / 2, true, true, [](double u, double v) {
+  return fixtures::as_mesh(fixtures::grid(n, n / 2, true, true, [](double u, double v) {
     const double a = 2 * kPi * u, b = 2 * kPi * v, r = 1 + 0.4 * std::cos(b);
     return Eigen::Vector3d(r * std::cos(a), r * std::sin(a), 0.4 * std::sin(b) + 0.02 * std::sin(7 * a));
-  });
-  TriangleMesh mesh;
-  mesh.positions = shape.positions;
-  mesh.triangles = shape.triangles;
-  return mesh;
+  }));
 }
 
 struct Work {
@@ -43,8 +39,8 @@ struct Work {
 };
 
 // What the commands that take long are made of reports all along, checks of the result among it, and stops at
-// any report. At 2,600 vertices each takes a tenth of a second or so; a quarter of it without a report would be a
-// stage that has none.
+// any report. At 2,600 vertices each takes a tenth of a second or so; a quarter of it without a report would
+// be a stage that has none.
 TEST(ReportGaps, EveryRequestReportsAllAlongAndStopsWhereItIsTold) {
   const TriangleMesh mesh = torus(72);
   TriangleMesh noisy = mesh;

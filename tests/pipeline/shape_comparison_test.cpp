@@ -15,14 +15,10 @@ namespace batten {
 namespace {
 
 TriangleMesh torus(double thickness) {
-  const Shape shape = fixtures::grid(40, 20, true, true, [=](double u, double v) {
+  return fixtures::as_mesh(fixtures::grid(40, 20, true, true, [=](double u, double v) {
     const double a = 2 * kPi * u, b = 2 * kPi * v, r = 2 + thickness * std::cos(b);
     return Eigen::Vector3d(r * std::cos(a), r * std::sin(a), thickness * std::sin(b));
-  });
-  TriangleMesh mesh;
-  mesh.positions = shape.positions;
-  mesh.triangles = shape.triangles;
-  return mesh;
+  }));
 }
 
 TEST(ShapeOf, ANetworkHasASegmentForEveryStepOfItsCurves) {

@@ -15,13 +15,9 @@ namespace {
 
 /// A plane sheet of 10 × 10 cells with a hill.
 TriangleMesh hill() {
-  const Shape shape = fixtures::grid(10, 10, false, false, [](double u, double v) {
+  return fixtures::as_mesh(fixtures::grid(10, 10, false, false, [](double u, double v) {
     return Eigen::Vector3d(u, v, 0.2 * std::exp(-20 * ((u - 0.5) * (u - 0.5) + (v - 0.5) * (v - 0.5))));
-  });
-  TriangleMesh mesh;
-  mesh.positions = shape.positions;
-  mesh.triangles = shape.triangles;
-  return mesh;
+  }));
 }
 
 TEST(SimplifiedMesh, IsThatOfTheRoomBelowHeldAgainstTheInput) {

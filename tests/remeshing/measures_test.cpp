@@ -12,15 +12,11 @@ namespace {
 
 /// A torus with radii 2 and 0.7, bent out of even by `uneven` (0: all quads alike).
 TriangleMesh torus(int n, double uneven = 0) {
-  const Shape shape = fixtures::grid(2 * n, n, true, true, [uneven](double u, double v) {
+  return fixtures::as_mesh(fixtures::grid(2 * n, n, true, true, [uneven](double u, double v) {
     const double a = 2 * kPi * (u + uneven * std::sin(2 * kPi * u)), b = 2 * kPi * v;
     const double r = 2 + 0.7 * std::cos(b);
     return Eigen::Vector3d(r * std::cos(a), r * std::sin(a), 0.7 * std::sin(b));
-  });
-  TriangleMesh mesh;
-  mesh.positions = shape.positions;
-  mesh.triangles = shape.triangles;
-  return mesh;
+  }));
 }
 
 TEST(RemeshMeasures, AreZeroForTheSameMesh) {

@@ -19,11 +19,7 @@ inline Eigen::Vector3d roof(double u, double v) {
 }
 
 inline TriangleMesh grid_of(int m, Eigen::Vector3d (*surface)(double, double)) {
-  const Shape shape = fixtures::grid(m, m, false, false, surface);
-  TriangleMesh mesh;
-  mesh.positions = shape.positions;
-  mesh.triangles = shape.triangles;
-  return mesh;
+  return fixtures::as_mesh(fixtures::grid(m, m, false, false, surface));
 }
 
 /// The surface of the unit cube, every face a grid of n × n squares, welded.

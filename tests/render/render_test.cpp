@@ -12,13 +12,6 @@
 namespace batten {
 namespace {
 
-TriangleMesh mesh_of(const Shape& shape) {
-  TriangleMesh mesh;
-  mesh.positions = shape.positions;
-  mesh.triangles = shape.triangles;
-  return mesh;
-}
-
 /// Three great circles of the unit sphere with outward normals, n edges each, sharing their six crossings.
 CurveNetwork great_circles(int n) {
   CurveNetwork network;
@@ -63,7 +56,7 @@ double covered(const Image& image) {
 // that are covered in part count whole, half a pixel around the circumference on average; the facets lose 0.1
 // %.
 TEST(Render, SilhouetteOfASphereIsADiscOfTheRightArea) {
-  const TriangleMesh mesh = mesh_of(fixtures::sphere(40));
+  const TriangleMesh mesh = fixtures::as_mesh(fixtures::sphere(40));
   for (const View view : {View{-55, 28, false}, View{0, 90, false}, View{123, -40, false}}) {
     RenderOptions options = small(Shading::Shaded);
     options.view = view;
@@ -77,7 +70,7 @@ TEST(Render, SilhouetteOfASphereIsADiscOfTheRightArea) {
 
 // The picture of a sphere in the middle does not change with its size or place.
 TEST(Render, ScaleAndPositionDoNotMatter) {
-  const TriangleMesh mesh = mesh_of(fixtures::blob(12));
+  const TriangleMesh mesh = fixtures::as_mesh(fixtures::blob(12));
   const Image unit = render({&mesh}, small(Shading::Shaded));
   for (const double scale : {1e-3, 1e3}) {
     TriangleMesh scaled = mesh;
@@ -91,7 +84,7 @@ TEST(Render, ScaleAndPositionDoNotMatter) {
 }
 
 TEST(Render, GivesTheSamePictureEveryTime) {
-  const TriangleMesh mesh = mesh_of(fixtures::blob(20));
+  const TriangleMesh mesh = fixtures::as_mesh(fixtures::blob(20));
   const CurveNetwork network = great_circles(60);
   for (const Shading shading : {Shading::Isophotes, Shading::Porcupine}) {
     const Subject subject{&mesh, &network};
@@ -102,7 +95,7 @@ TEST(Render, GivesTheSamePictureEveryTime) {
 // On a smooth surface, finer triangles change the stripes ever less: they converge.
 TEST(Render, IsophotesConvergeWithTheMesh) {
   const auto picture = [](int n) {
-    const TriangleMesh mesh = mesh_of(fixtures::sphere(n));
+    const TriangleMesh mesh = fixtures::as_mesh(fixtures::sphere(n));
     return render({&mesh}, small(Shading::Isophotes));
   };
   const Image fine = picture(96);
@@ -120,7 +113,7 @@ TEST(Render, IsophotesConvergeWithTheMesh) {
 // Seen from above, the circles of the normal map on a sphere are rings about the middle of the picture: a
 // quarter turn of the model leaves them, and they alternate between red and blue.
 TEST(Render, NormalMapOfASphereIsRings) {
-  const TriangleMesh mesh = mesh_of(fixtures::sphere(60));
+  const TriangleMesh mesh = fixtures::as_mesh(fixtures::sphere(60));
   RenderOptions options = small(Shading::NormalMap);
   options.width = options.height = 400;
   options.view.azimuth_deg = -90;
@@ -141,7 +134,7 @@ TEST(Render, NormalMapOfASphereIsRings) {
 // The mean curvature of a sphere is constant: one colour, the diverging map's red half; inside out it is
 // blue.
 TEST(Render, CurvatureHasItsSign) {
-  TriangleMesh mesh = mesh_of(fixtures::grid(48, 24, true, false, [](double u, double v) {
+  TriangleMesh mesh = fixtures::as_mesh(fixtures::grid(48, 24, true, false, [](double u, double v) {
     const double a = 2 * kPi * u, b = kPi * (0.05 + 0.9 * v);
     return Eigen::Vector3d(std::sin(b) * std::cos(a), std::sin(b) * std::sin(a), -std::cos(b));
   }));
@@ -161,7 +154,7 @@ TEST(Render, CurvatureHasItsSign) {
 // A unit sphere with two holes: H = K = 1, on the borders as well, where the neighbours inside stand in.
 // Measured, not exact: within 5 % at 7.5 degrees between vertices.
 TEST(ShownValues, AreTheCurvaturesOfASphereAndTheErrorsAsScaled) {
-  const TriangleMesh mesh = mesh_of(fixtures::grid(48, 24, true, false, [](double u, double v) {
+  const TriangleMesh mesh = fixtures::as_mesh(fixtures::grid(48, 24, true, false, [](double u, double v) {
     const double a = 2 * kPi * u, b = kPi * (0.05 + 0.9 * v);
     return Eigen::Vector3d(std::sin(b) * std::cos(a), std::sin(b) * std::sin(a), -std::cos(b));
   }));
@@ -188,7 +181,7 @@ TEST(ShownValues, AreTheCurvaturesOfASphereAndTheErrorsAsScaled) {
 
 // A square before a larger one hides exactly its part; the lines behind it are hidden as well.
 TEST(Render, NearThingsHideFarThings) {
-  TriangleMesh mesh = mesh_of(fixtures::grid(
+  TriangleMesh mesh = fixtures::as_mesh(fixtures::grid(
       1, 1, false, false, [](double u, double v) { return Eigen::Vector3d(2 * u - 1, 2 * v - 1, 0); }));
   CurveNetwork behind;
   behind.positions.resize(2, 3);
@@ -205,7 +198,7 @@ TEST(Render, NearThingsHideFarThings) {
 }
 
 TEST(Render, EveryShadingDrawsSomethingOfItsOwn) {
-  const TriangleMesh mesh = mesh_of(fixtures::blob(16));
+  const TriangleMesh mesh = fixtures::as_mesh(fixtures::blob(16));
   const CurveNetwork network = great_circles(40);
   Subject subject{&mesh, &network};
   subject.errors = mesh.positions.col(0).cwiseAbs();
@@ -222,7 +215,7 @@ TEST(Render, EveryShadingDrawsSomethingOfItsOwn) {
 }
 
 TEST(Render, SaysWhatAShadingLacks) {
-  const TriangleMesh mesh = mesh_of(fixtures::sphere(3));
+  const TriangleMesh mesh = fixtures::as_mesh(fixtures::sphere(3));
   const CurveNetwork network = great_circles(20);
   EXPECT_THROW(render({}, {}), InvalidInput);
   EXPECT_THROW(render({nullptr, &network}, small(Shading::Isophotes)), InvalidInput);
@@ -254,7 +247,7 @@ TEST(Render, SaysWhatAShadingLacks) {
 
 // All errors zero, one triangle without area, all points in one: drawn without a fuss.
 TEST(Render, SurvivesDegenerateSubjects) {
-  TriangleMesh mesh = mesh_of(fixtures::sphere(2));
+  TriangleMesh mesh = fixtures::as_mesh(fixtures::sphere(2));
   Subject subject{&mesh};
   subject.errors = Eigen::VectorXd::Zero(mesh.n_vertices());
   render(subject, small(Shading::Error));

@@ -13,11 +13,7 @@ namespace batten {
 namespace {
 
 TriangleMesh sphere() {
-  const Shape shape = fixtures::sphere(4);
-  TriangleMesh mesh;
-  mesh.positions = shape.positions;
-  mesh.triangles = shape.triangles;
-  return mesh;
+  return fixtures::as_mesh(fixtures::sphere(4));
 }
 
 std::string titles(const std::vector<ReportPicture>& pictures) {

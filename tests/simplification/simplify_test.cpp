@@ -28,13 +28,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-TriangleMesh as_mesh(const Shape& shape) {
-  TriangleMesh mesh;
-  mesh.positions = shape.positions;
-  mesh.triangles = shape.triangles;
-  return mesh;
-}
-
 /// The unit cube, every side a grid of n × n cells, without seams.
 TriangleMesh cube(int n) {
   TriangleMesh mesh;
@@ -74,7 +67,7 @@ TriangleMesh cube(int n) {
 }
 
 TriangleMesh torus(int n, double scale = 1) {
-  return as_mesh(fixtures::grid(2 * n, n, true, true, [scale](double u, double v) {
+  return fixtures::as_mesh(fixtures::grid(2 * n, n, true, true, [scale](double u, double v) {
     const double a = 2 * kPi * u, b = 2 * kPi * v, r = 2 + 0.7 * std::cos(b);
     return Vector3d(scale * r * std::cos(a), scale * r * std::sin(a), scale * 0.7 * std::sin(b));
   }));
@@ -184,8 +177,8 @@ TEST(Simplify, IsDeterministic) {
 
 // A flat square keeps its outline exactly: the border runs along straight lines.
 TEST(Simplify, AFlatSquareKeepsItsBorder) {
-  const TriangleMesh input =
-      as_mesh(fixtures::grid(30, 30, false, false, [](double u, double v) { return Vector3d(u, v, 0); }));
+  const TriangleMesh input = fixtures::as_mesh(
+      fixtures::grid(30, 30, false, false, [](double u, double v) { return Vector3d(u, v, 0); }));
   const SimplifyResult result = with_faces(input, 40);
   expect_sound(input, result, 40);
   EXPECT_NEAR(area(result.mesh), 1, 1e-4);
@@ -196,7 +189,7 @@ TEST(Simplify, AFlatSquareKeepsItsBorder) {
 // Two parallel plates nearer to each other than their triangles are wide: the trap for collapses that look at
 // their own faces only. A wavy thin shell, closed at the rim.
 TEST(Simplify, SheetsThatLieCloseTogetherDoNotTouch) {
-  const TriangleMesh input = as_mesh(fixtures::sphere(20));
+  const TriangleMesh input = fixtures::as_mesh(fixtures::sphere(20));
   TriangleMesh shell = input;
   for (Eigen::Index v = 0; v < shell.n_vertices(); ++v) {
     const Vector3d p = input.positions.row(v);
