@@ -2,13 +2,13 @@
 
 #include "fairing/shapes.hpp"
 #include "report_gaps.hpp"
+#include "threads.hpp"
 
 #include <filesystem>
 
 #include <gtest/gtest.h>
 
 #include "batten/core/error.hpp"
-#include "batten/core/parallel.hpp"
 #include "batten/core/progress.hpp"
 #include "batten/fairing/noise.hpp"
 #include "batten/io/mesh_io.hpp"
@@ -242,7 +242,7 @@ TEST(FairAutomatically, TurnsBackFoldedTriangles) {
 TEST(FairAutomatically, ReportsOftenAndStopsWhereItIsTold) {
   const Mesh mesh = cube(40);
   const Points noisy = add_gaussian_noise(mesh.positions, mesh.triangles, 0.2, 1);
-  set_thread_count(1);  // all the work is on the thread whose time is measured
+  const test::Threads one_thread(1);  // all the work is on the thread whose time is measured
   const test::ReportGaps gaps(
       [&](const Progress& progress) { fair_automatically(noisy, mesh.triangles, {}, nullptr, progress); });
   EXPECT_LT(gaps.largest_share(), 0.1) << "before " << gaps.before();
@@ -253,19 +253,17 @@ TEST(FairAutomatically, ReportsOftenAndStopsWhereItIsTold) {
     EXPECT_THROW(fair_automatically(noisy, mesh.triangles, {}, nullptr, stop), Cancelled) << stop_at;
     EXPECT_EQ(reports, stop_at);
   }
-  set_thread_count(0);
 }
 
 TEST(FairAutomatically, GivesTheSameBitsOnAnyNumberOfThreads) {
   const Mesh mesh = cube(32);
   const Points noisy = add_gaussian_noise(mesh.positions, mesh.triangles, 0.2, 1);
-  set_thread_count(1);
-  const Points one = fair_automatically(noisy, mesh.triangles);
-  for (const int threads : {2, 3}) {
-    set_thread_count(threads);
-    EXPECT_EQ(fair_automatically(noisy, mesh.triangles), one) << threads;
-  }
-  set_thread_count(0);
+  const auto faired = [&](int threads) {
+    const test::Threads here(threads);
+    return fair_automatically(noisy, mesh.triangles);
+  };
+  const Points one = faired(1);
+  for (const int threads : {2, 3}) EXPECT_EQ(faired(threads), one) << threads;
 }
 
 TEST(FairAutomatically, SaysHowFarItsSolvesCame) {

@@ -1,12 +1,12 @@
 #include "batten/linalg/iterative.hpp"
 
 #include "linalg/systems.hpp"
+#include "threads.hpp"
 
 #include <Eigen/QR>
 #include <gtest/gtest.h>
 
 #include "batten/core/error.hpp"
-#include "batten/core/parallel.hpp"
 
 namespace batten {
 namespace {
@@ -67,10 +67,9 @@ TEST(Iterative, ConjugateGradientsGivesTheSameBitsOnAnyNumberOfThreads) {
   IterativeOptions options;
   options.preconditioner = Preconditioner::Diagonal;
   const auto solve = [&](int threads) {
-    set_thread_count(threads);
+    const test::Threads here(threads);
     Eigen::MatrixXd X;
     EXPECT_TRUE(solve_conjugate_gradients(A, Eigen::VectorXd::Ones(A.rows()), X, "test", options).converged);
-    set_thread_count(0);
     return X;
   };
   const Eigen::MatrixXd one = solve(1);

@@ -1,6 +1,7 @@
 #include "report_gaps.hpp"
 
 #include "mesh/shapes.hpp"
+#include "threads.hpp"
 
 #include <cmath>
 #include <functional>
@@ -8,7 +9,6 @@
 
 #include <gtest/gtest.h>
 
-#include "batten/core/parallel.hpp"
 #include "batten/core/units.hpp"
 #include "batten/fairing/noise.hpp"
 #include "batten/mesh/handles.hpp"
@@ -69,7 +69,7 @@ TEST(ReportGaps, EveryRequestReportsAllAlongAndStopsWhereItIsTold) {
       {"compare", [&](const Progress& p) { compared_shapes(shape, other, {}, p); }},
       {"reconstruct", [&](const Progress& p) { reconstruct(scan, fine, p); }},
   };
-  set_thread_count(1);  // all the work is on the thread whose time is measured
+  const test::Threads one_thread(1);  // all the work is on the thread whose time is measured
   for (const Work& work : all) {
     const test::ReportGaps gaps(work.run);
     EXPECT_LT(gaps.largest_share(), 0.25) << work.name << " before " << gaps.before();
@@ -80,7 +80,6 @@ TEST(ReportGaps, EveryRequestReportsAllAlongAndStopsWhereItIsTold) {
       EXPECT_EQ(reports, stop_at) << work.name;
     }
   }
-  set_thread_count(0);
 }
 
 }  // namespace

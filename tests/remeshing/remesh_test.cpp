@@ -2,6 +2,7 @@
 
 #include "remeshing/surfaces.hpp"
 #include "report_gaps.hpp"
+#include "threads.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +13,6 @@
 #include <gtest/gtest.h>
 
 #include "batten/core/error.hpp"
-#include "batten/core/parallel.hpp"
 #include "batten/core/progress.hpp"
 #include "batten/io/mesh_io.hpp"
 #include "batten/mesh/distance.hpp"
@@ -248,24 +248,25 @@ TEST(Remesh, GivesTheSameBitsOnAnyNumberOfThreads) {
   ASSERT_GT(input.n_vertices(), 2 * 4096);
   RemeshOptions options;
   options.max_iterations = 2;
-  set_thread_count(1);
-  const RemeshResult one = remesh(input, options);
+  const auto remeshed = [&](int threads) {
+    const test::Threads here(threads);
+    return remesh(input, options);
+  };
+  const RemeshResult one = remeshed(1);
   EXPECT_EQ(one.report.solves.unconverged, 0);
   EXPECT_GT(one.report.solves.residual, 0);
   EXPECT_LE(one.report.solves.residual, 1e-4);  // the tolerance of its solves
   for (const int threads : {2, 3}) {
-    set_thread_count(threads);
-    const RemeshResult other = remesh(input, options);
+    const RemeshResult other = remeshed(threads);
     EXPECT_EQ(other.mesh.positions, one.mesh.positions) << threads;
     EXPECT_EQ(other.mesh.triangles, one.mesh.triangles) << threads;
   }
-  set_thread_count(0);
 }
 
 // A mesh of 100,000 vertices takes some 6 s, one of 12,000 an eighth of that, in the same shares.
 TEST(Remesh, ReportsOftenAndStopsWhereItIsTold) {
   const TriangleMesh input = cube(45);
-  set_thread_count(1);  // all the work is on the thread whose time is measured
+  const test::Threads one_thread(1);  // all the work is on the thread whose time is measured
   const test::ReportGaps gaps([&](const Progress& progress) { remesh(input, {}, progress); });
   EXPECT_LT(gaps.largest_share(), 0.2) << "before " << gaps.before();
   EXPECT_GT(gaps.reports(), 100);
@@ -274,7 +275,6 @@ TEST(Remesh, ReportsOftenAndStopsWhereItIsTold) {
     const Progress stop([&](std::string_view, double) { return ++reports < stop_at; });
     EXPECT_THROW(remesh(input, {}, stop), Cancelled) << stop_at;
   }
-  set_thread_count(0);
 }
 
 }  // namespace

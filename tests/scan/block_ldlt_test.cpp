@@ -1,9 +1,10 @@
+#include "threads.hpp"
+
 #include <algorithm>
 
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
-#include "batten/core/parallel.hpp"
 #include "batten/core/random.hpp"
 #include "batten/scan/block_ldlt_detail.hpp"
 
@@ -104,7 +105,7 @@ TEST(BlockLdlt, GivesTheSameBitsForEveryNumberOfThreads) {
   for (int i = 0; i < n; ++i)
     for (int d = 1; d <= 3 && i + d < n; ++d) joined.emplace_back(i + d, i);
   const auto solved = [&](int threads) {
-    set_thread_count(threads);
+    const test::Threads here(threads);
     BlockLdlt<3> factor(n, joined);
     Random random(4);
     for (const auto& [a, b] : joined)
@@ -113,7 +114,6 @@ TEST(BlockLdlt, GivesTheSameBitsForEveryNumberOfThreads) {
     EXPECT_TRUE(factor.factorize());
     const Eigen::VectorXd x = factor.solve(Eigen::VectorXd::Ones(3 * n));
     factor.invert();
-    set_thread_count(0);
     return std::tuple(factor.log_determinant(), x, factor.inverse(factor.slot(17, 18)));
   };
   const auto one = solved(1);

@@ -1,11 +1,11 @@
 #include "batten/scan/joint.hpp"
 
 #include "scan/scan_fixtures.hpp"
+#include "threads.hpp"
 
 #include <gtest/gtest.h>
 
 #include "batten/core/error.hpp"
-#include "batten/core/parallel.hpp"
 #include "batten/scan/integration.hpp"
 #include "batten/scan/joint_model_detail.hpp"
 #include "batten/scan/prefilter.hpp"
@@ -154,10 +154,8 @@ TEST(EstimateJointly, NoNeighbouringNoiseModelIsBetter) {
 TEST(EstimateJointly, GivesTheSameBitsForEveryNumberOfThreads) {
   const SampledScan scan = noisy_samples(AnalyticShape::Waves);
   const auto estimated = [&](int threads) {
-    set_thread_count(threads);
-    JointEstimate estimate = estimate_jointly(scan, options_of(AnalyticShape::Waves));
-    set_thread_count(0);
-    return estimate;
+    const test::Threads here(threads);
+    return estimate_jointly(scan, options_of(AnalyticShape::Waves));
   };
   const JointEstimate one = estimated(1);
   for (const int threads : {2, 3}) {
@@ -172,6 +170,7 @@ TEST(EstimateJointly, GivesTheSameBitsForEveryNumberOfThreads) {
 TEST(EstimateJointly, CanBeCancelledAtEveryReport) {
   const SampledScan scan = noisy_samples(AnalyticShape::Sphere);
   const JointOptions options = options_of(AnalyticShape::Sphere);
+  const test::Threads one_thread(1);  // on several the number of reports varies
   long reports = 0;
   const Progress counted([&](std::string_view, double fraction) {
     EXPECT_GE(fraction, 0);

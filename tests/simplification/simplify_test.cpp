@@ -2,6 +2,7 @@
 
 #include "mesh/shapes.hpp"
 #include "report_gaps.hpp"
+#include "threads.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +15,6 @@
 #include <gtest/gtest.h>
 
 #include "batten/core/error.hpp"
-#include "batten/core/parallel.hpp"
 #include "batten/core/progress.hpp"
 #include "batten/core/units.hpp"
 #include "batten/io/mesh_io.hpp"
@@ -410,7 +410,7 @@ TEST(Simplify, ReportsOftenAndStopsWhereItIsTold) {
   const TriangleMesh input = cube(40);
   SimplifyOptions options;
   options.remove = 0.8;
-  set_thread_count(1);  // all the work is on the thread whose time is measured
+  const test::Threads one_thread(1);  // all the work is on the thread whose time is measured
   const test::ReportGaps gaps([&](const Progress& progress) { simplify(input, options, progress); });
   EXPECT_LT(gaps.largest_share(), 0.15) << "before " << gaps.before();
   EXPECT_GT(gaps.reports(), 50);
@@ -419,23 +419,23 @@ TEST(Simplify, ReportsOftenAndStopsWhereItIsTold) {
     const Progress stop([&](std::string_view, double) { return ++reports < stop_at; });
     EXPECT_THROW(simplify(input, options, stop), Cancelled) << stop_at;
   }
-  set_thread_count(0);
 }
 
 TEST(Simplify, GivesTheSameBitsOnAnyNumberOfThreads) {
   const TriangleMesh input = cube(30);
   SimplifyOptions options;
   options.remove = 0.8;
-  set_thread_count(1);
-  const SimplifyResult one = simplify(input, options);
+  const auto simplified = [&](int threads) {
+    const test::Threads here(threads);
+    return simplify(input, options);
+  };
+  const SimplifyResult one = simplified(1);
   for (const int threads : {2, 3}) {
-    set_thread_count(threads);
-    const SimplifyResult other = simplify(input, options);
+    const SimplifyResult other = simplified(threads);
     EXPECT_EQ(other.mesh.positions, one.mesh.positions) << threads;
     EXPECT_EQ(other.mesh.triangles, one.mesh.triangles) << threads;
     EXPECT_EQ(other.rms_error, one.rms_error) << threads;
   }
-  set_thread_count(0);
 }
 
 }  // namespace
