@@ -3,8 +3,8 @@
 
 namespace batten::test {
 
-/// Sets the number of threads as long as it lives, also where a test is left early. On one thread a work makes
-/// the same reports every time; on several the calling one reports the chunks that it happens to take.
+/// Sets the number of threads as long as it lives, also where a test is left early. On one thread a work
+/// makes the same reports every time; on several the calling one reports the chunks that it happens to take.
 class Threads {
  public:
   explicit Threads(int n) { set_thread_count(n); }

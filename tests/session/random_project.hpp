@@ -75,36 +75,39 @@ class RandomProject {
       }
       case 4: {
         RemeshRequest request;
-        request.options.method = flag() ? RemeshMethod::Adaptive : RemeshMethod::LaplacianFlow;
-        request.options.adaptivity = random_.uniform();
-        if (flag()) request.edge_length = Length{number(), Length::Kind::Relative};
+        request.options.remesh.method = flag() ? RemeshMethod::Adaptive : RemeshMethod::LaplacianFlow;
+        request.options.remesh.adaptivity = random_.uniform();
+        if (flag()) request.options.edge_length = Length{number(), Length::Kind::Relative};
         if (flag()) request.sizes = "quality";
         return request;
       }
       case 5: {
         SimplifyRequest request;
         if (flag())
-          request.options.remove = random_.uniform(0.1, 0.9);
+          request.options.simplify.remove = random_.uniform(0.1, 0.9);
         else
-          request.max_error = Length{number(), Length::Kind::Relative};
-        request.options.flow.weight = flag() ? FlowWeight::Uniform : FlowWeight::Curvature;
-        if (flag()) request.options.flow.fidelity = number();
+          request.options.max_error = Length{number(), Length::Kind::Relative};
+        request.options.simplify.flow.weight = flag() ? FlowWeight::Uniform : FlowWeight::Curvature;
+        if (flag()) request.options.simplify.flow.fidelity = number();
         return request;
       }
       case 6: {
         SubdivideRequest request;
-        request.options.scheme = flag() ? SubdivisionScheme::Linear : SubdivisionScheme::Nuliss;
-        request.options.levels = static_cast<int>(random_.below(4));
-        request.options.limit = flag();
+        SubdivisionOptions& subdivision = request.options.subdivision;
+        subdivision.scheme = flag() ? SubdivisionScheme::Linear : SubdivisionScheme::Nuliss;
+        subdivision.levels = static_cast<int>(random_.below(4));
+        subdivision.limit = flag();
+        if (flag()) request.options.first_schemes = {SubdivisionScheme::Nuliss, SubdivisionScheme::Linear};
         return request;
       }
       default:
         break;
     }
     DeformRequest request;
-    request.options.energy = flag() ? DeformationEnergy::Bend : DeformationEnergy::Stretch;
-    request.options.detail = flag() ? DetailPreservation::None : DetailPreservation::ShapeMatching;
-    request.multiresolution = flag();
+    DeformedMeshOptions& options = request.options;
+    options.deform.energy = flag() ? DeformationEnergy::Bend : DeformationEnergy::Stretch;
+    options.deform.detail = flag() ? DetailPreservation::None : DetailPreservation::ShapeMatching;
+    options.multiresolution = flag();
     if (flag()) request.fixed = std::make_shared<const std::vector<int>>(vertices());
     MovedVertices& moved = request.moved.emplace_back();
     moved.vertices = std::make_shared<const std::vector<int>>(vertices());

@@ -22,11 +22,14 @@ TEST(Request, ProblemsOfOptionsAreToldInTheWordsOfTheirStructs) {
   request.options.sigma = 3;
   EXPECT_EQ(problem(request), request.options.problem());
   RemeshRequest sizes;
-  sizes.options.sizes = Eigen::VectorXd::Ones(3);
+  sizes.options.remesh.sizes = Eigen::VectorXd::Ones(3);
   EXPECT_NE(problem(sizes)->find("named"), std::string::npos);
   RemeshRequest length;
-  length.edge_length = Length{0, Length::Kind::Relative};
-  EXPECT_NE(problem(length)->find("edge_length must be above 0"), std::string::npos);
+  length.options.edge_length = Length{0, Length::Kind::Relative};
+  EXPECT_NE(problem(length)->find("edge_length must be positive"), std::string::npos);
+  SubdivideRequest patches;
+  patches.options.patches.emplace();
+  EXPECT_NE(problem(patches)->find("no patches"), std::string::npos);
   DeformRequest handles;
   handles.moved.resize(1);
   handles.moved[0].vertices = std::make_shared<const std::vector<int>>(std::vector<int>{1, 2});

@@ -26,15 +26,10 @@ std::optional<std::string> problem_of(const DeformRequest& request) {
   return std::nullopt;
 }
 
-std::optional<std::string> problem_of_length(const char* name, const std::optional<Length>& length) {
-  if (length && !(length->value > 0)) return concat(name, " must be above 0, got ", length->value);
-  return std::nullopt;
-}
-
 std::optional<std::string> problem_of(const RemeshRequest& request) {
-  if (request.options.sizes.size() > 0)
+  if (request.options.remesh.sizes.size() > 0)
     return "the sizes of a remeshing request are named, as a value per vertex of the mesh";
-  return problem_of_length("edge_length", request.edge_length);
+  return request.options.problem();
 }
 
 std::optional<std::string> problem_of(const SurfaceRequest& request) {
@@ -42,17 +37,10 @@ std::optional<std::string> problem_of(const SurfaceRequest& request) {
   return request.surface.problem();
 }
 
-std::optional<std::string> problem_of(const SimplifyRequest& request) {
-  if (auto found = problem_of_length("max_error", request.max_error)) return found;
-  SimplifyOptions options = request.options;
-  if (request.max_error) options.max_error = request.max_error->value;  // one criterion must be given
-  return options.problem();
-}
-
-std::optional<std::string> problem_of(const FairRequest& request) {
-  if (request.options.iterations < 0)
-    return concat("iterations must be at least 0, got ", request.options.iterations);
-  return std::nullopt;
+std::optional<std::string> problem_of(const SubdivideRequest& request) {
+  if (!request.options.refine || request.options.patches)
+    return "a subdivision request makes a mesh, and no patches";
+  return request.options.problem();
 }
 
 template <typename AnyRequest>

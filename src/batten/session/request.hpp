@@ -7,20 +7,19 @@
 
 #include <Eigen/Core>
 
-#include "batten/core/units.hpp"
-#include "batten/deformation/deformer.hpp"
 #include "batten/fairing/fair.hpp"
 #include "batten/mesh/handles.hpp"
 #include "batten/modelling/model_surface.hpp"
+#include "batten/pipeline/deformed_mesh.hpp"
 #include "batten/pipeline/network_surface.hpp"
-#include "batten/remeshing/remesh.hpp"
+#include "batten/pipeline/remeshed_mesh.hpp"
+#include "batten/pipeline/simplified_mesh.hpp"
+#include "batten/pipeline/subdivided_cage.hpp"
 #include "batten/scan/reconstruct.hpp"
-#include "batten/simplification/simplify.hpp"
 #include "batten/strokes/stroke_network.hpp"
-#include "batten/subdivision/subdivide.hpp"
 
-// What a project asks to be made of one of its objects. A project keeps requests and hands them out; whoever
-// holds it calls the function named here with the options and the object that the request starts from.
+// What a project asks to be made of one of its objects. A project keeps requests and hands them out; run()
+// and Results (results.hpp) call the functions named here.
 namespace batten {
 
 /// The kinds of objects in a project, in the order of object.hpp.
@@ -57,21 +56,19 @@ struct FairRequest {
 
 /// New triangles for a mesh: remeshed_mesh().
 struct RemeshRequest {
-  RemeshOptions options;              ///< its `sizes` are left empty: see below
-  std::optional<Length> edge_length;  ///< instead of that of the options; relative: of the diameter
+  RemeshedMeshOptions options;  ///< `sizes` of its remeshing are left empty: see below
   /// The name of the value per vertex of the mesh that holds the wanted sizes; empty: none.
   std::string sizes;
 };
 
 /// A mesh with fewer faces: simplified_mesh().
 struct SimplifyRequest {
-  SimplifyOptions options;
-  std::optional<Length> max_error;  ///< instead of that of the options; relative: of the diameter
+  SimplifiedMeshOptions options;
 };
 
 /// A mesh as the cage of a subdivision surface: subdivided_cage().
 struct SubdivideRequest {
-  SubdivisionOptions options;
+  SubdividedCageOptions options;  ///< with its refined mesh and without patches, which no object holds
 };
 
 /// Vertices of a mesh, by number. Shared, so that hundreds of edits of one handle hold one list.
@@ -89,8 +86,7 @@ struct MovedVertices {
 
 /// A mesh bent by handles: deformed_mesh().
 struct DeformRequest {
-  DeformOptions options;
-  bool multiresolution = false;
+  DeformedMeshOptions options;
   SharedVertices fixed;  ///< null: none
   std::vector<MovedVertices> moved;
 

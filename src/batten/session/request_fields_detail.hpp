@@ -194,23 +194,27 @@ void visit_fields(FairRequest& request, Visitor& visit) {
 }
 template <typename Visitor>
 void visit_fields(RemeshRequest& request, Visitor& visit) {
-  visit_fields(request.options, visit);
-  visit("length", request.edge_length);
+  visit_fields(request.options.remesh, visit);
+  visit("length", request.options.edge_length);
   visit("sizes", request.sizes);
 }
 template <typename Visitor>
 void visit_fields(SimplifyRequest& request, Visitor& visit) {
-  visit_fields(request.options, visit);
-  visit("error", request.max_error);
+  visit_fields(request.options.simplify, visit);
+  visit("error", request.options.max_error);
 }
 template <typename Visitor>
 void visit_fields(SubdivideRequest& request, Visitor& visit) {
-  visit_fields(request.options, visit);
+  auto& [first_schemes, subdivision, refine, patches] = request.options;
+  static_cast<void>(refine);   // a result without a mesh would be none
+  static_cast<void>(patches);  // of files, not of objects
+  visit("first_schemes", first_schemes);
+  visit_fields(subdivision, visit);
 }
 template <typename Visitor>
 void visit_fields(DeformRequest& request, Visitor& visit) {
-  visit_fields(request.options, visit);
-  visit("multiresolution", request.multiresolution);
+  visit_fields(request.options.deform, visit);
+  visit("multiresolution", request.options.multiresolution);
   visit("fixed", request.fixed);
   visit("moved", request.moved);
 }

@@ -19,6 +19,10 @@ template <typename T>
 constexpr bool kIsShared = false;
 template <typename T>
 constexpr bool kIsShared<std::shared_ptr<const T>> = true;
+template <typename T>
+constexpr bool kIsVector = false;
+template <typename T>
+constexpr bool kIsVector<std::vector<T>> = true;
 
 /// The words of an enumeration: those beside it, or ours.
 template <typename Enum>
@@ -53,7 +57,7 @@ class Writer {
       return value ? flat_list(*value) : Json();
     } else if constexpr (std::is_same_v<T, Eigen::Vector3d>) {
       return flat_list(value);
-    } else if constexpr (std::is_same_v<T, std::vector<MovedVertices>>) {
+    } else if constexpr (kIsVector<T>) {
       Json::List list;
       for (auto& entry : value) list.push_back(json(entry));
       return list;
@@ -102,8 +106,8 @@ class Reader {
       value = json.is_null() ? nullptr : std::make_shared<Points>(fields_.rows(json, name));
     } else if constexpr (std::is_same_v<T, Eigen::Vector3d>) {
       value = fields_.vector(json, name);
-    } else if constexpr (std::is_same_v<T, std::vector<MovedVertices>>) {
-      if (!json.is_list()) fields_.fail(name, "a list of objects");
+    } else if constexpr (kIsVector<T>) {
+      if (!json.is_list()) fields_.fail(name, "a list");
       value.clear();
       for (std::size_t i = 0; i < json.size(); ++i) read(json.at(i), name, value.emplace_back());
     } else {
