@@ -3,17 +3,13 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <numeric>
 #include <set>
 
 #include <Eigen/Dense>
 
 #include "batten/core/disjoint_sets.hpp"
-#include "batten/core/error.hpp"
 #include "batten/core/index.hpp"
-#include "batten/core/text.hpp"
-#include "batten/core/units.hpp"
-#include "batten/network/end_parabola.hpp"
+#include "batten/strokes/candidate_orders_detail.hpp"
 #include "batten/strokes/node_orders_detail.hpp"
 
 namespace batten::detail {
@@ -23,28 +19,14 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-/// Cost of one radian that the sectors of a node turn beyond the least possible: a crossing read wrongly
-/// turns by a half turn more, as much as a patch that changes to the other side along a curve.
-constexpr double kSectorCost = 1 / kPi;
 /// Gain of a patch more (two patches more are a handle less), and cost of a curve with the same patch on both
 /// sides. Both decide only where the geometry leaves a choice: a right angle that is wrong costs one.
 constexpr double kPatchGain = 0.12;
 constexpr double kSamePatchCost = 0.12;
 /// Links that would cost this little more with one end turned over do not tell the sides of their ends.
 constexpr std::array<double, 2> kLooseLinks{0.15, 0.6};
-/// Orders are tried one and all up to this number of curves at a node (720); beyond it those seen along
-/// likely axes.
-constexpr std::size_t kMostPermuted = 7;
 /// A choice that wins by less than this is told. Two patches more gain 0.24.
 constexpr double kDoubt = 0.15;
-
-/// One order of the half-edges of a node, by their places in the node's list.
-struct Order {
-  std::vector<int> sequence;     ///< counter-clockwise, beginning with place 0
-  std::vector<int> left, right;  ///< per place: the next and the previous place
-  double cost = 0;
-  int mirrored = -1;  ///< number of the same order seen from the other side
-};
 
 /// What the two patches beside a half-edge look like at its node: directions square to the half-edge, in a
 /// frame that is carried along the link, with the certainty as length.
@@ -55,10 +37,10 @@ struct Sides {
 struct Node {
   std::vector<int> half_edges;
   std::vector<Vector3d> tangents;
-  std::vector<Order> orders;
+  std::vector<NodeOrder> orders;
   std::vector<Sides> sides;  ///< k³: place, left neighbour, right neighbour
 
-  const Sides& sides_of(const Order& order, int place) const {
+  const Sides& sides_of(const NodeOrder& order, int place) const {
     const size_t k = half_edges.size();
     return sides[(at(place) * k + at(order.left[at(place)])) * k + at(order.right[at(place)])];
   }
@@ -138,7 +120,10 @@ class OrderSearch {
       Node& node = nodes_[n];
       node.half_edges = graph_.half_edges[n];
       for (const int d : node.half_edges) node.tangents.push_back(tangents[at(d)]);
-      make_orders(node);
+      std::vector<int> borders;
+      for (std::size_t i = 0; i < node.half_edges.size(); ++i)
+        if (graph_.links[at(node.half_edges[i] / 2)].border) borders.push_back(static_cast<int>(i));
+      node.orders = candidate_orders(node.tangents, borders);
       const size_t k = node.half_edges.size();
       node.sides.resize(k * k * k);
       for (size_t i = 0; i < k; ++i)
@@ -159,117 +144,23 @@ class OrderSearch {
     chosen_.assign(nodes_.size(), -1);
   }
 
-  void make_orders(Node& node) const {
-    const auto k = static_cast<int>(node.half_edges.size());
-    if (k == 0) return;
-    std::set<std::vector<int>> sequences;
-    const auto add = [&](std::vector<int> sequence) {
-      std::rotate(sequence.begin(), std::find(sequence.begin(), sequence.end(), 0), sequence.end());
-      sequences.insert(sequence);
-      std::reverse(sequence.begin() + 1, sequence.end());
-      sequences.insert(std::move(sequence));
-    };
-    if (at(k) <= kMostPermuted) {
-      std::vector<int> sequence(at(k));
-      std::iota(sequence.begin(), sequence.end(), 0);
-      do sequences.insert(sequence);
-      while (std::next_permutation(sequence.begin() + 1, sequence.end()));
-    } else {
-      for (const Vector3d& axis : likely_axes(node)) {
-        const Vector3d u = axis.unitOrthogonal(), w = axis.cross(u);
-        std::vector<std::pair<double, int>> around;
-        around.reserve(at(k));
-        for (int i = 0; i < k; ++i)
-          around.emplace_back(std::atan2(node.tangents[at(i)].dot(w), node.tangents[at(i)].dot(u)), i);
-        std::sort(around.begin(), around.end());
-        std::vector<int> sequence;
-        sequence.reserve(around.size());
-        for (const auto& [angle, i] : around) sequence.push_back(i);
-        add(sequence);
-        for (int i = 0; i < k; ++i) {  // neighbours may be told apart wrongly
-          std::swap(sequence[at(i)], sequence[at((i + 1) % k)]);
-          add(sequence);
-          std::swap(sequence[at(i)], sequence[at((i + 1) % k)]);
-        }
-      }
-    }
-    std::vector<int> borders;
-    for (int i = 0; i < k; ++i)
-      if (graph_.links[at(node.half_edges[at(i)] / 2)].border) borders.push_back(i);
-    const bool at_border = borders.size() == 2;
-    std::map<std::vector<int>, int> number;
-    double least = std::numeric_limits<double>::infinity();
-    for (const std::vector<int>& sequence : sequences) {
-      Order order;
-      order.sequence = sequence;
-      order.left.resize(at(k));
-      order.right.resize(at(k));
-      for (int p = 0; p < k; ++p) {
-        const int i = sequence[at(p)], next = sequence[at((p + 1) % k)];
-        order.left[at(i)] = next;
-        order.right[at(next)] = i;
-      }
-      // Between the two pieces of a border lies the outside, which may turn as far as it likes.
-      if (at_border && k > 2) {
-        const int a = borders[0], b = borders[1];
-        if (order.left[at(a)] != b && order.left[at(b)] != a) continue;
-      }
-      for (int i = 0; i < k; ++i) {
-        const int j = order.left[at(i)];
-        if (at_border && std::min(i, j) == borders[0] && std::max(i, j) == borders[1]) continue;
-        order.cost +=
-            kSectorCost * std::acos(std::clamp(node.tangents[at(i)].dot(node.tangents[at(j)]), -1.0, 1.0));
-      }
-      least = std::min(least, order.cost);
-      number[sequence] = static_cast<int>(node.orders.size());
-      node.orders.push_back(std::move(order));
-    }
-    for (Order& order : node.orders) {
-      order.cost -= least;
-      std::vector<int> sequence = order.sequence;
-      std::reverse(sequence.begin() + 1, sequence.end());
-      order.mirrored = number.at(sequence);
-    }
-  }
-
-  /// Axes along which the half-edges of a node may be seen in order.
-  static std::vector<Vector3d> likely_axes(const Node& node) {
-    Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
-    Vector3d sum = Vector3d::Zero();
-    for (const Vector3d& t : node.tangents) {
-      moments += t * t.transpose();
-      sum += t;
-    }
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(moments);
-    std::vector<Vector3d> axes;
-    axes.reserve(4);
-    for (int i = 0; i < 3; ++i) axes.emplace_back(solver.eigenvectors().col(i));
-    if (sum.norm() > 1e-6) axes.push_back(sum.normalized());
-    for (size_t i = 0; i < node.tangents.size(); ++i)
-      for (size_t j = 0; j < i; ++j) {
-        const Vector3d normal = node.tangents[i].cross(node.tangents[j]);
-        if (normal.norm() > 0.2) axes.push_back(normal.normalized());
-      }
-    return axes;
-  }
-
   int place_of(int half_edge) const {
     const std::vector<int>& half_edges = graph_.half_edges[at(start_node(half_edge))];
     return static_cast<int>(std::find(half_edges.begin(), half_edges.end(), half_edge) - half_edges.begin());
   }
 
   /// Cost of a link between two orders: the patch left of its one end lies right of the other.
-  double link_cost(int l, const Order& from, const Order& to) const {
+  double link_cost(int l, const NodeOrder& from, const NodeOrder& to) const {
     const NetworkLink& link = graph_.links[at(l)];
     const Sides& a = nodes_[at(link.from)].sides_of(from, place_[at(2 * l)]);
     const Sides& b = nodes_[at(link.to)].sides_of(to, place_[at(2 * l + 1)]);
     return mismatch(a.left, b.right) + mismatch(a.right, b.left);
   }
 
-  const Order& chosen(int n) const { return nodes_[at(n)].orders[at(chosen_[at(n)])]; }
+  const NodeOrder& chosen(int n) const { return nodes_[at(n)].orders[at(chosen_[at(n)])]; }
 
   /// Cost of an order of a node given those chosen at its neighbours; neighbours without one do not count.
-  double cost_at(int n, const Order& order) const {
+  double cost_at(int n, const NodeOrder& order) const {
     double cost = order.cost;
     for (const int d : nodes_[at(n)].half_edges) {
       const NetworkLink& link = graph_.links[at(d / 2)];
@@ -287,7 +178,7 @@ class OrderSearch {
 
   /// The cheapest order of a node given its neighbours, and by how much it wins.
   std::pair<int, double> best_order(int n) const {
-    const std::vector<Order>& orders = nodes_[at(n)].orders;
+    const std::vector<NodeOrder>& orders = nodes_[at(n)].orders;
     int best = 0;
     double least = std::numeric_limits<double>::infinity(), second = least;
     for (size_t o = 0; o < orders.size(); ++o) {
@@ -315,7 +206,7 @@ class OrderSearch {
     for (size_t n = 0; n < nodes_.size(); ++n) {
       if (nodes_[n].orders.empty()) continue;
       double second = 1;
-      for (const Order& order : nodes_[n].orders)
+      for (const NodeOrder& order : nodes_[n].orders)
         if (order.cost > 1e-9) second = std::min(second, order.cost);
       seeds.push_back({second, static_cast<int>(n)});
     }
@@ -362,7 +253,7 @@ class OrderSearch {
     }
   }
 
-  std::vector<int> sequence_of(int n, const Order& order) const {
+  std::vector<int> sequence_of(int n, const NodeOrder& order) const {
     std::vector<int> sequence;
     for (const int place : order.sequence) sequence.push_back(nodes_[at(n)].half_edges[at(place)]);
     return sequence;
@@ -375,7 +266,7 @@ class OrderSearch {
     return orders;
   }
 
-  void write_following(int n, const Order& order) {
+  void write_following(int n, const NodeOrder& order) {
     const std::vector<int>& half_edges = nodes_[at(n)].half_edges;
     for (size_t i = 0; i < half_edges.size(); ++i)
       follow_[at(half_edges[at(order.left[i])] ^ 1)] = half_edges[i];
@@ -508,7 +399,7 @@ class OrderSearch {
     return any;
   }
 
-  const Order& mirrored(int n) const { return nodes_[at(n)].orders[at(chosen(n).mirrored)]; }
+  const NodeOrder& mirrored(int n) const { return nodes_[at(n)].orders[at(chosen(n).mirrored)]; }
 
   void look_for_doubts(std::vector<DoubtfulOrder>& doubtful) {
     for (size_t n = 0; n < nodes_.size(); ++n) {
@@ -536,35 +427,6 @@ class OrderSearch {
 
 }  // namespace
 
-Vector3d link_direction(const CurveNetwork& network, const LinkGraph& graph, int half_edge, double size) {
-  const NetworkLink& link = graph.links[at(half_edge / 2)];
-  const std::vector<int>& vertices = link.vertices;
-  const size_t n = vertices.size();
-  const double window = std::min(0.3 * link.length, 0.05 * size);
-  const auto walk = [&](size_t i) {
-    return Vector3d(network.positions.row(vertices[half_edge % 2 == 0 ? i : n - 1 - i]));
-  };
-  EndParabola parabola(walk(0));
-  for (size_t i = 1; i < n && (i < 3 || parabola.length() < window); ++i) parabola.add(walk(i));
-  const Vector3d chord = parabola.chord(), tangent = parabola.tangent();
-  return tangent.norm() > 0 && tangent.dot(chord) > 0 ? tangent.normalized() : chord.normalized();
-}
-
-double network_size(const CurveNetwork& network, const LinkGraph& graph) {
-  Vector3d mean = Vector3d::Zero();
-  double count = 0, greatest = 0;
-  for (const NetworkLink& link : graph.links)
-    for (const int v : link.vertices) {
-      mean += network.positions.row(v).transpose();
-      ++count;
-    }
-  if (count > 0) mean /= count;
-  for (const NetworkLink& link : graph.links)
-    for (const int v : link.vertices)
-      greatest = std::max(greatest, (network.positions.row(v).transpose() - mean).norm());
-  return 2 * greatest;
-}
-
 Vector3d carried(const Vector3d& v, const Vector3d& a, const Vector3d& b) {
   const double cosine = a.dot(b);
   if (cosine < -1 + 1e-9) return v;  // straight back: any half turn would do
@@ -578,76 +440,6 @@ std::vector<int> following_half_edges(const std::vector<std::vector<int>>& order
   for (const std::vector<int>& around : orders)
     for (size_t i = 0; i < around.size(); ++i) follow[at(around[(i + 1) % around.size()] ^ 1)] = around[i];
   return follow;
-}
-
-LinkGraph link_graph(const CurveNetwork& network) {
-  LinkGraph graph;
-  graph.topology = network_topology(network);
-  const std::vector<NetworkSegment>& segments = graph.topology.segments;
-  for (const NetworkSegment& segment : segments)
-    for (size_t i = 0; i < segment.vertices.size(); ++i) {
-      const int v = segment.vertices[i];
-      if (!network.positions.row(v).allFinite())
-        throw InvalidInput(concat("vertex ", v, " of ", curve_name(network, segment.curve),
-                                  " has a coordinate that is not a number; repair or remove it"));
-      if (i > 0 && network.positions.row(v) == network.positions.row(segment.vertices[i - 1]))
-        throw InvalidInput(concat("the vertices ", segment.vertices[i - 1], " and ", v, " of ",
-                                  curve_name(network, segment.curve),
-                                  " lie at the same place; merge them into one"));
-    }
-  std::vector<std::vector<int>> leaving(graph.topology.nodes.size());
-  for (size_t s = 0; s < segments.size(); ++s) {
-    leaving[at(segments[s].from)].push_back(static_cast<int>(2 * s));
-    leaving[at(segments[s].to)].push_back(static_cast<int>(2 * s + 1));
-  }
-  for (size_t n = 0; n < leaving.size(); ++n)
-    if (leaving[n].size() == 1)
-      throw InvalidInput(concat(curve_name(network, segments[at(leaving[n][0] / 2)].curve),
-                                " ends at vertex ", graph.topology.nodes[n],
-                                " without meeting another curve; join it to the network or remove it"));
-  const auto passed = [&](int n) {
-    const std::vector<int>& half_edges = leaving[at(n)];
-    return half_edges.size() == 2 && half_edges[0] / 2 != half_edges[1] / 2 &&
-           segments[at(half_edges[0] / 2)].boundary == segments[at(half_edges[1] / 2)].boundary;
-  };
-  graph.half_edges.resize(leaving.size());
-  std::vector<char> taken(segments.size(), 0);
-  const auto walk = [&](int first) {
-    const auto l = static_cast<int>(graph.links.size());
-    NetworkLink link;
-    link.border = segments[at(first / 2)].boundary;
-    int half_edge = first;
-    while (true) {
-      const NetworkSegment& segment = segments[at(half_edge / 2)];
-      taken[at(half_edge / 2)] = 1;
-      link.half_edges.push_back(half_edge);
-      const bool forwards = half_edge % 2 == 0;
-      std::vector<int> vertices = segment.vertices;
-      if (!forwards) std::reverse(vertices.begin(), vertices.end());
-      if (link.from < 0) {
-        link.from = forwards ? segment.from : segment.to;
-        link.vertices.push_back(vertices.front());
-      }
-      link.vertices.insert(link.vertices.end(), vertices.begin() + 1, vertices.end());
-      link.to = forwards ? segment.to : segment.from;
-      if (link.to == link.from || !passed(link.to)) break;
-      const std::vector<int>& next = leaving[at(link.to)];
-      half_edge = next[0] == (half_edge ^ 1) ? next[1] : next[0];
-    }
-    for (size_t i = 1; i < link.vertices.size(); ++i)
-      link.length +=
-          (network.positions.row(link.vertices[i]) - network.positions.row(link.vertices[i - 1])).norm();
-    graph.half_edges[at(link.from)].push_back(2 * l);
-    graph.half_edges[at(link.to)].push_back(2 * l + 1);
-    graph.links.push_back(std::move(link));
-  };
-  for (size_t n = 0; n < leaving.size(); ++n)
-    if (!passed(static_cast<int>(n)))
-      for (const int d : leaving[n])
-        if (!taken[at(d / 2)]) walk(d);
-  for (size_t s = 0; s < segments.size(); ++s)  // what is left are closed chains
-    if (!taken[s]) walk(static_cast<int>(2 * s));
-  return graph;
 }
 
 OrderSearchResult search_node_orders(const CurveNetwork& network, const LinkGraph& graph,

@@ -1,198 +1,36 @@
 #include "batten/strokes/stroke_cleaning.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
 #include <map>
-#include <numeric>
 #include <set>
 
 #include "batten/core/disjoint_sets.hpp"
 #include "batten/core/error.hpp"
 #include "batten/core/index.hpp"
 #include "batten/core/text.hpp"
-#include "batten/core/units.hpp"
 #include "batten/mesh/box_tree.hpp"
 #include "batten/mesh/distance.hpp"
 #include "batten/mesh/triangle_mesh.hpp"
 #include "batten/network/contacts.hpp"
+#include "batten/strokes/network_pieces_detail.hpp"
+#include "batten/strokes/open_segments_detail.hpp"
+#include "batten/strokes/overdrawn_strokes_detail.hpp"
 
 namespace batten {
 
 namespace {
 
+using detail::compacted;
+using detail::coordinates;
 using detail::CurveIndex;
+using detail::in_segments;
+using detail::length_of;
+using detail::position;
 using Vector = Eigen::Vector3d;
 
-/// Strokes drawn over each other run within this angle.
-const double kSameDirection = std::cos(radians(25));
-/// Less than this many tolerances along each other is a crossing or a touch, not a stroke drawn twice.
-constexpr double kOverdraw = 6;
-/// What is left between two overdrawn pieces counts when it is this many tolerances long.
-constexpr double kRest = 3;
 /// Weld tolerances along a loop, or along both of two curves between the same nodes, that make no patch.
 constexpr double kShortest = 6;
-
-Vector position(const CurveNetwork& network, int v) {
-  return network.positions.row(v);
-}
-
-double length_of(const CurveNetwork& network, const std::vector<int>& vertices) {
-  double length = 0;
-  for (size_t k = 1; k < vertices.size(); ++k)
-    length += (position(network, vertices[k]) - position(network, vertices[k - 1])).norm();
-  return length;
-}
-
-std::string coordinates(const Vector& p) {
-  return concat("(", p.x(), ", ", p.y(), ", ", p.z(), ")");
-}
-
-/// The network with vertices that no curve uses dropped; the others keep their order.
-CurveNetwork compacted(CurveNetwork network) {
-  std::vector<int> number(at(static_cast<int>(network.positions.rows())), -1);
-  for (const NetworkCurve& curve : network.curves)
-    for (const int v : curve.vertices) number[at(v)] = 0;
-  int n = 0;
-  for (size_t v = 0; v < number.size(); ++v)
-    if (number[v] == 0) {
-      number[v] = n;
-      network.positions.row(n++) = network.positions.row(static_cast<Eigen::Index>(v)).eval();
-    }
-  network.positions.conservativeResize(n, 3);
-  for (NetworkCurve& curve : network.curves)
-    for (int& v : curve.vertices) v = number[at(v)];
-  std::vector<int> tagged;
-  for (const int v : network.tagged_nodes)
-    if (number[at(v)] >= 0) tagged.push_back(number[at(v)]);
-  network.tagged_nodes = std::move(tagged);
-  return network;
-}
-
-/// Drops what strokes repeat of longer ones, or of their own beginning.
-class OverdrawRemover {
- public:
-  OverdrawRemover(const CurveNetwork& network, double tolerance) : network_(network), tolerance_(tolerance) {
-    for (size_t c = 0; c < network.curves.size(); ++c) {
-      const std::vector<int>& vertices = network.curves[c].vertices;
-      lengths_.push_back(length_of(network, vertices));
-      double along = 0;
-      first_.push_back(static_cast<int>(edges_.size()));
-      for (size_t k = 0; k + 1 < vertices.size(); ++k) {
-        const Vector a = position(network, vertices[k]), b = position(network, vertices[k + 1]);
-        edges_.push_back({static_cast<int>(c), a, b, along});
-        along += (b - a).norm();
-        boxes_.push_back({a.cwiseMin(b), a.cwiseMax(b)});
-      }
-    }
-    first_.push_back(static_cast<int>(edges_.size()));
-  }
-
-  CurveNetwork run(int& n_dropped) {
-    const BoxTree tree(boxes_);
-    std::vector<int> by_length(network_.curves.size());
-    std::iota(by_length.begin(), by_length.end(), 0);
-    std::stable_sort(by_length.begin(), by_length.end(),
-                     [&](int a, int b) { return lengths_[at(a)] > lengths_[at(b)]; });
-    rank_.resize(by_length.size());
-    for (size_t i = 0; i < by_length.size(); ++i) rank_[at(by_length[i])] = static_cast<int>(i);
-    dropped_.assign(edges_.size(), 0);
-    for (const int c : by_length) {
-      std::vector<char> covered;
-      for (int e = first_[at(c)]; e < first_[at(c) + 1]; ++e) covered.push_back(is_covered(tree, e));
-      n_dropped += drop_runs(c, covered);
-    }
-    CurveNetwork result = network_;
-    result.curves.clear();
-    for (size_t c = 0; c < network_.curves.size(); ++c) {
-      const NetworkCurve& curve = network_.curves[c];
-      NetworkCurve piece{curve.name, curve.boundary, {}};
-      for (int e = first_[c]; e < first_[c + 1]; ++e) {
-        const size_t k = at(e - first_[c]);
-        if (dropped_[at(e)]) {
-          if (piece.vertices.size() > 1) result.curves.push_back(piece);
-          piece.vertices.clear();
-          continue;
-        }
-        if (piece.vertices.empty()) piece.vertices.push_back(curve.vertices[k]);
-        piece.vertices.push_back(curve.vertices[k + 1]);
-      }
-      if (piece.vertices.size() > 1) result.curves.push_back(std::move(piece));
-    }
-    return compacted(std::move(result));
-  }
-
- private:
-  struct Edge {
-    int curve;
-    Vector a, b;
-    double along;  ///< arc length from the beginning of its curve to a
-  };
-
-  /// The middle of an edge lies beside a longer stroke, or an earlier place of the same, that goes its way.
-  bool is_covered(const BoxTree& tree, int e) const {
-    const Edge& edge = edges_[at(e)];
-    const Vector middle = 0.5 * (edge.a + edge.b), direction = (edge.b - edge.a).normalized();
-    const Box around{middle.array() - tolerance_, middle.array() + tolerance_};
-    bool covered = false;
-    tree.query(around, [&](int f) {
-      const Edge& other = edges_[at(f)];
-      if (dropped_[at(f)]) return true;
-      if (other.curve == edge.curve ? other.along > edge.along - 2 * kOverdraw * tolerance_
-                                    : rank_[at(other.curve)] > rank_[at(edge.curve)])
-        return true;
-      if (closest_point_on_segment(middle, other.a, other.b).squared_distance > tolerance_ * tolerance_)
-        return true;
-      covered = std::abs((other.b - other.a).normalized().dot(direction)) > kSameDirection;
-      return !covered;
-    });
-    return covered;
-  }
-
-  /// Marks the covered runs that are long enough; short rests between or beside them go along.
-  int drop_runs(int c, std::vector<char>& covered) {
-    const int first = first_[at(c)], n = static_cast<int>(covered.size());
-    const auto length = [&](int begin, int end) {
-      double sum = 0;
-      for (int k = begin; k < end; ++k) sum += (edges_[at(first + k)].b - edges_[at(first + k)].a).norm();
-      return sum;
-    };
-    const auto runs = [&] {
-      std::vector<std::array<int, 2>> list;
-      for (int k = 0; k < n;) {
-        int end = k;
-        while (end < n && covered[at(end)] == covered[at(k)]) ++end;
-        list.push_back({k, end});
-        k = end;
-      }
-      return list;
-    };
-    for (const auto& [begin, end] : runs())
-      if (covered[at(begin)] && length(begin, end) < kOverdraw * tolerance_ &&
-          length(begin, end) < 0.8 * lengths_[at(c)])
-        std::fill(covered.begin() + begin, covered.begin() + end, 0);
-    for (const auto& [begin, end] : runs())
-      if (!covered[at(begin)] && length(begin, end) < kRest * tolerance_ && n > end - begin)
-        std::fill(covered.begin() + begin, covered.begin() + end, 1);
-    int dropped = 0;
-    for (const auto& [begin, end] : runs()) {
-      if (!covered[at(begin)]) continue;
-      ++dropped;
-      std::fill(dropped_.begin() + first + begin, dropped_.begin() + first + end, 1);
-    }
-    return dropped;
-  }
-
-  const CurveNetwork& network_;
-  double tolerance_;
-  std::vector<Edge> edges_;
-  std::vector<int> first_;  ///< per curve: its first edge; and the total
-  std::vector<Box> boxes_;
-  std::vector<double> lengths_;
-  std::vector<int> rank_;
-  std::vector<char> dropped_;
-};
 
 std::vector<int> degrees_of(const CurveNetwork& network) {
   std::vector<int> degree(at(static_cast<int>(network.positions.rows())), 0);
@@ -279,15 +117,6 @@ CurveNetwork with_extended_ends(const CurveNetwork& network, double reach, doubl
   return result;
 }
 
-/// Every segment a curve of its own.
-CurveNetwork in_segments(const CurveNetwork& network) {
-  CurveNetwork result = network;
-  result.curves.clear();
-  for (const NetworkSegment& segment : network_topology(network).segments)
-    result.curves.push_back({network.curves[at(segment.curve)].name, segment.boundary, segment.vertices});
-  return result;
-}
-
 /// Segments shorter than the tolerance shrink to a node between their ends, and of segments that run beside
 /// each other between the same nodes one is left.
 CurveNetwork without_slivers(const CurveNetwork& network, double tolerance, double shortest,
@@ -358,16 +187,7 @@ CurveNetwork without_tails(const CurveNetwork& network, CleanedStrokes& result,
   CurveNetwork pieces = in_segments(network);
   const NetworkTopology topology = network_topology(pieces);
   const std::vector<NetworkSegment>& segments = topology.segments;
-  std::vector<std::vector<int>> incident(topology.nodes.size());
-  for (size_t s = 0; s < segments.size(); ++s) {
-    incident[at(segments[s].from)].push_back(static_cast<int>(s));
-    if (segments[s].to != segments[s].from) incident[at(segments[s].to)].push_back(static_cast<int>(s));
-  }
-  std::vector<char> kept(segments.size(), 1);
-  const auto other = [&](int s, int node) {
-    return segments[at(s)].from == node ? segments[at(s)].to : segments[at(s)].from;
-  };
-  const auto describe = [&](int s, const char* reason) {
+  const auto leave_out = [&](int s, const char* reason) {
     const std::vector<int>& vertices = segments[at(s)].vertices;
     const std::string& name = pieces.curves[at(segments[at(s)].curve)].name;
     ++result.n_left_out;
@@ -378,69 +198,16 @@ CurveNetwork without_tails(const CurveNetwork& network, CleanedStrokes& result,
                                      coordinates(position(pieces, vertices.back())),
                                      " was left out: ", reason));
   };
-  std::vector<int> queue;
-  std::vector<int> valence(topology.nodes.size(), 0);
-  for (size_t s = 0; s < segments.size(); ++s) {
-    ++valence[at(segments[s].from)];
-    ++valence[at(segments[s].to)];
-  }
-  for (size_t n = 0; n < valence.size(); ++n)
-    if (valence[n] == 1) queue.push_back(static_cast<int>(n));
-  while (!queue.empty()) {
-    const int node = queue.back();
-    queue.pop_back();
-    if (valence[at(node)] != 1) continue;
-    for (const int s : incident[at(node)]) {
-      if (!kept[at(s)]) continue;
-      kept[at(s)] = 0;
-      describe(s, "it ends in nothing; connect its end to have patches on both of its sides");
-      --valence[at(node)];
-      if (--valence[at(other(s, node))] == 1) queue.push_back(other(s, node));
-    }
-  }
-  // Bridges by depth-first search: a segment that no way round closes.
-  std::vector<int> order(topology.nodes.size(), -1), low(topology.nodes.size(), 0);
-  int clock = 0;
-  struct Visit {
-    int node, by;
-    size_t next;
-  };
-  std::vector<int> bridges;
-  for (size_t start = 0; start < order.size(); ++start) {
-    if (order[start] >= 0) continue;
-    std::vector<Visit> stack{{static_cast<int>(start), -1, 0}};
-    order[start] = low[start] = clock++;
-    while (!stack.empty()) {
-      const int node = stack.back().node, by = stack.back().by;
-      if (stack.back().next < incident[at(node)].size()) {
-        const int s = incident[at(node)][stack.back().next++];
-        if (!kept[at(s)] || s == by) continue;
-        const int to = other(s, node);
-        if (order[at(to)] < 0) {
-          order[at(to)] = low[at(to)] = clock++;
-          stack.push_back({to, s, 0});
-        } else {
-          low[at(node)] = std::min(low[at(node)], order[at(to)]);
-        }
-        continue;
-      }
-      stack.pop_back();
-      if (by < 0) continue;
-      const int parent = stack.back().node;
-      low[at(parent)] = std::min(low[at(parent)], low[at(node)]);
-      if (low[at(node)] > order[at(parent)]) bridges.push_back(by);
-    }
-  }
-  std::sort(bridges.begin(), bridges.end());
-  for (const int s : bridges) {
-    kept[at(s)] = 0;
-    describe(s,
-             "it is the only way between two parts, so that one patch would lie on both of its sides; "
-             "connect the parts by a second curve");
-  }
+  detail::OpenSegments open(topology);
+  for (const int s : open.take_tails())
+    leave_out(s, "it ends in nothing; connect its end to have patches on both of its sides");
+  for (const int s : open.take_bridges())
+    leave_out(s,
+              "it is the only way between two parts, so that one patch would lie on both of its sides; "
+              "connect the parts by a second curve");
   std::vector<NetworkCurve> curves;
   for (size_t s = 0; s < segments.size(); ++s)
-    if (kept[s])
+    if (open.is_kept(static_cast<int>(s)))
       curves.push_back(
           {pieces.curves[at(segments[s].curve)].name, segments[s].boundary, segments[s].vertices});
   pieces.curves = std::move(curves);
@@ -570,7 +337,7 @@ CleanedStrokes clean_strokes(const CurveNetwork& given, const StrokeCleaningOpti
     add(result.weld, welded_network.report);
     return std::move(welded_network.network);
   };
-  CurveNetwork network = weld(OverdrawRemover(strokes, tolerance).run(result.n_overdrawn));
+  CurveNetwork network = weld(detail::without_overdrawn(strokes, tolerance, result.n_overdrawn));
   if (options.reach > options.weld_tolerance)
     network = with_extended_ends(network, options.reach * diameter, tolerance, result.n_extended_ends);
   network = weld(network);
