@@ -1,11 +1,11 @@
 #include "batten/network/contacts.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 #include <tuple>
 #include <unordered_map>
+#include <utility>
 
 #include "batten/core/disjoint_sets.hpp"
 #include "batten/core/index.hpp"
@@ -95,14 +95,8 @@ bool CurveIndex::neighbours(int e, int f) const {
          std::max(e, f) == first_edge_[at(curve) + 1] - 1;
 }
 
-std::vector<Contact> CurveIndex::contacts() const {
-  // Pairs of near pieces, e < f.
-  struct Pair {
-    int e, f;
-    double distance, s, t;
-    bool share;
-  };
-  std::vector<Pair> pairs;
+std::vector<CurveIndex::NearPair> CurveIndex::near_pairs() const {
+  std::vector<NearPair> pairs;
   for (int e = 0; e < static_cast<int>(edges_.size()); ++e) {
     const Edge& edge = edges_[at(e)];
     Box grown = boxes_[at(e)];
@@ -116,7 +110,7 @@ std::vector<Contact> CurveIndex::contacts() const {
       const auto& theirs = network_.curves[at(other.curve)].vertices;
       const int a[2] = {own[at(edge.begin)], own[at(edge.end)]},
                 b[2] = {theirs[at(other.begin)], theirs[at(other.end)]};
-      Pair pair{e, f, 0, 0, 0, a[0] == b[0] || a[0] == b[1] || a[1] == b[0] || a[1] == b[1]};
+      NearPair pair{e, f, 0, 0, 0, a[0] == b[0] || a[0] == b[1] || a[1] == b[0] || a[1] == b[1]};
       pair.distance =
           segment_distance(point(edge.curve, edge.begin), point(edge.curve, edge.end),
                            point(other.curve, other.begin), point(other.curve, other.end), pair.s, pair.t);
@@ -124,24 +118,28 @@ std::vector<Contact> CurveIndex::contacts() const {
       return true;
     });
     std::sort(pairs.begin() + static_cast<std::ptrdiff_t>(before), pairs.end(),
-              [](const Pair& x, const Pair& y) { return x.f < y.f; });
+              [](const NearPair& x, const NearPair& y) { return x.f < y.f; });
   }
-  // Pairs that continue each other along both curves are one contact.
+  return pairs;
+}
+
+std::array<int, 3> CurveIndex::around(int e) const {
+  std::array<int, 3> near{e, e - 1, e + 1};
+  const int curve = edges_[at(e)].curve, first = first_edge_[at(curve)],
+            last = first_edge_[at(curve) + 1] - 1;
+  const bool closed = network_.curves[at(curve)].closed();
+  if (near[1] < first) near[1] = closed ? last : e;
+  if (near[2] > last) near[2] = closed ? first : e;
+  return near;
+}
+
+std::vector<CurveIndex::PairGroup> CurveIndex::grouped(const std::vector<NearPair>& pairs) const {
   DisjointSets sets(static_cast<int>(pairs.size()));
   std::unordered_map<long long, int> number;
   const auto key = [&](int e, int f) {
     return static_cast<long long>(std::min(e, f)) * static_cast<long long>(edges_.size()) + std::max(e, f);
   };
   for (size_t p = 0; p < pairs.size(); ++p) number[key(pairs[p].e, pairs[p].f)] = static_cast<int>(p);
-  const auto around = [&](int e) {
-    std::array<int, 3> near{e, e - 1, e + 1};
-    const int curve = edges_[at(e)].curve, first = first_edge_[at(curve)],
-              last = first_edge_[at(curve) + 1] - 1;
-    const bool closed = network_.curves[at(curve)].closed();
-    if (near[1] < first) near[1] = closed ? last : e;
-    if (near[2] > last) near[2] = closed ? first : e;
-    return near;
-  };
   for (size_t p = 0; p < pairs.size(); ++p)
     for (const int e : around(pairs[p].e))
       for (const int f : around(pairs[p].f)) {
@@ -149,41 +147,48 @@ std::vector<Contact> CurveIndex::contacts() const {
         if (e == f || found == number.end()) continue;
         sets.unite(static_cast<int>(p), found->second);
       }
-  struct Group {
-    int best = -1;
-    bool share = false;
-    std::vector<int> edges;  // of the first curve
-  };
-  std::map<int, Group> groups;
+  std::map<int, PairGroup> groups;
   for (size_t p = 0; p < pairs.size(); ++p) {
-    Group& group = groups[sets.root(static_cast<int>(p))];
+    PairGroup& group = groups[sets.root(static_cast<int>(p))];
     group.share = group.share || pairs[p].share;
     if (pairs[p].distance <= tolerance_) group.edges.push_back(pairs[p].e);
     if (!pairs[p].share && (group.best < 0 || pairs[p].distance < pairs[at(group.best)].distance))
       group.best = static_cast<int>(p);
   }
+  std::vector<PairGroup> list;
+  for (auto& [root, group] : groups) list.push_back(std::move(group));
+  return list;
+}
+
+Contact CurveIndex::contact_of(PairGroup group, const NearPair& best) const {
+  const Edge &e = edges_[at(best.e)], &f = edges_[at(best.f)];
+  Contact contact;
+  contact.joined = group.share;
+  // The thinned pieces gave the place; the exact one is found among the edges that they stand for.
+  Vector q = point(e.curve, e.begin) + best.s * (point(e.curve, e.end) - point(e.curve, e.begin));
+  for (int round = 0; round < 4; ++round) {
+    contact.second = nearest_on(f, q);
+    contact.first = nearest_on(e, contact.second.point);
+    q = contact.first.point;
+  }
+  contact.distance = (contact.first.point - contact.second.point).norm();
+  std::sort(group.edges.begin(), group.edges.end());
+  group.edges.erase(std::unique(group.edges.begin(), group.edges.end()), group.edges.end());
+  for (const int k : group.edges)
+    if (edges_[at(k)].curve == e.curve)
+      contact.length += arc(e.curve, edges_[at(k)].end) - arc(e.curve, edges_[at(k)].begin);
+  return contact;
+}
+
+std::vector<Contact> CurveIndex::contacts() const {
+  const std::vector<NearPair> pairs = near_pairs();
   std::vector<Contact> contacts;
-  for (auto& [root, group] : groups) {
+  for (PairGroup& group : grouped(pairs)) {
     if (group.best < 0) continue;
-    const Pair& pair = pairs[at(group.best)];
-    const Edge &e = edges_[at(pair.e)], &f = edges_[at(pair.f)];
-    if (group.share && e.curve == f.curve) continue;  // a curve is always near itself
-    Contact contact;
-    contact.joined = group.share;
-    // The thinned pieces gave the place; the exact one is found among the edges that they stand for.
-    Vector q = point(e.curve, e.begin) + pair.s * (point(e.curve, e.end) - point(e.curve, e.begin));
-    for (int round = 0; round < 4; ++round) {
-      contact.second = nearest_on(f, q);
-      contact.first = nearest_on(e, contact.second.point);
-      q = contact.first.point;
-    }
-    contact.distance = (contact.first.point - contact.second.point).norm();
-    std::sort(group.edges.begin(), group.edges.end());
-    group.edges.erase(std::unique(group.edges.begin(), group.edges.end()), group.edges.end());
-    for (const int k : group.edges)
-      if (edges_[at(k)].curve == e.curve)
-        contact.length += arc(e.curve, edges_[at(k)].end) - arc(e.curve, edges_[at(k)].begin);
-    contacts.push_back(contact);
+    const NearPair& best = pairs[at(group.best)];
+    // A curve is always near itself.
+    if (group.share && edges_[at(best.e)].curve == edges_[at(best.f)].curve) continue;
+    contacts.push_back(contact_of(std::move(group), best));
   }
   return contacts;
 }

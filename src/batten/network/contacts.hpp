@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -8,7 +9,7 @@
 #include "batten/mesh/box_tree.hpp"
 #include "batten/network/curve_network.hpp"
 
-// Where curves come near each other. Private to the room.
+// Where curves come near each other: for the diagnosis and welding of networks and the cleaning of strokes.
 namespace batten::detail {
 
 /// A place on a curve: on the edge from its vertex `edge` to the next, at `fraction` of it.
@@ -54,7 +55,23 @@ class CurveIndex {
     int curve;
     int begin, end;  // places in the curve's vertex list
   };
+  /// Two pieces within the tolerance of each other, or with a vertex in common; e < f.
+  struct NearPair {
+    int e, f;
+    double distance, s, t;  ///< of the closest points, and where they are on each
+    bool share;
+  };
+  /// Pairs that continue each other along both curves.
+  struct PairGroup {
+    int best = -1;  ///< the closest pair without a common vertex
+    bool share = false;
+    std::vector<int> edges;  ///< of the first curve, within the tolerance
+  };
   Eigen::Vector3d point(int curve, int k) const;
+  std::vector<NearPair> near_pairs() const;
+  std::array<int, 3> around(int e) const;  ///< the piece, and those before and after it on its curve
+  std::vector<PairGroup> grouped(const std::vector<NearPair>& pairs) const;
+  Contact contact_of(PairGroup group, const NearPair& best) const;
   CurvePlace nearest_on(const Edge& edge, const Eigen::Vector3d& q) const;
   bool neighbours(int e, int f) const;
 

@@ -153,49 +153,93 @@ void fill_tube(Buffer& buffer, const FlatTube& tube, const Camera& camera, int s
     }
 }
 
-}  // namespace
-
-void rasterise(Image& image, const Scene& scene, const Camera& camera, int samples, const Shader& shader,
-               const std::function<Colour(double)>& background, const Progress& progress) {
-  if (samples < 1 || samples > 8)
-    throw InvalidInput(concat("samples must lie between 1 and 8, got ", samples));
-  const Eigen::Index n = scene.positions.rows(), m = scene.triangles.rows();
-  if (m > 0 && (scene.triangles.minCoeff() < 0 || scene.triangles.maxCoeff() >= n))
-    throw InvalidInput("a triangle of the picture names a vertex that does not exist");
-  progress.report("draw", 0);
-
-  Points in_camera(n, 3), in_picture(n, 3);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const Vector3d p = camera.to_camera(scene.positions.row(i));
-    const Vector3d q = camera.project(p);
-    in_camera.row(i) = p;
-    in_picture.row(i) << samples * q.x(), samples * q.y(), q.z();
-  }
-  std::vector<FlatTube> tubes;
-  tubes.reserve(scene.tubes.size());
-  for (const Tube& tube : scene.tubes) {
-    const Vector3d a = camera.to_camera(tube.from), b = camera.to_camera(tube.to);
-    const Vector2d pa = samples * camera.project(a).head<2>(), pb = samples * camera.project(b).head<2>();
-    tubes.push_back({pa, pb - pa, a, b, samples * tube.radius});
+/// A scene as one camera sees it, drawn in bands of rows.
+class Rasteriser {
+ public:
+  Rasteriser(const Scene& scene, const Camera& camera, int samples)
+      : scene_(scene),
+        camera_(camera),
+        samples_(samples),
+        in_camera_(scene.positions.rows(), 3),
+        in_picture_(scene.positions.rows(), 3) {
+    for (Eigen::Index i = 0; i < scene.positions.rows(); ++i) {
+      const Vector3d p = camera.to_camera(scene.positions.row(i));
+      const Vector3d q = camera.project(p);
+      in_camera_.row(i) = p;
+      in_picture_.row(i) << samples * q.x(), samples * q.y(), q.z();
+    }
+    tubes_.reserve(scene.tubes.size());
+    for (const Tube& tube : scene.tubes) {
+      const Vector3d a = camera.to_camera(tube.from), b = camera.to_camera(tube.to);
+      const Vector2d pa = samples * camera.project(a).head<2>(), pb = samples * camera.project(b).head<2>();
+      tubes_.push_back({pa, pb - pa, a, b, samples * tube.radius});
+    }
   }
 
-  const int n_bands = (image.height + kBandRows - 1) / kBandRows;
-  Bands triangle_bands(n_bands, kBandRows * samples), tube_bands(n_bands, kBandRows * samples);
-  triangle_bands.sort(m, [&](std::size_t t) {
-    const double a = in_picture(scene.triangles(t, 0), 1), b = in_picture(scene.triangles(t, 1), 1),
-                 c = in_picture(scene.triangles(t, 2), 1);
-    return std::pair(std::min({a, b, c}) - 1, std::max({a, b, c}) + 1);
-  });
-  tube_bands.sort(tubes.size(), [&](std::size_t i) {
-    const double a = tubes[i].a.y(), b = a + tubes[i].ab.y();
-    return std::pair(std::min(a, b) - tubes[i].radius - 1, std::max(a, b) + tubes[i].radius + 1);
-  });
+  void draw(Image& image, const Shader& shader, const std::function<Colour(double)>& background) const {
+    const int n_bands = (image.height + kBandRows - 1) / kBandRows;
+    Bands triangles(n_bands, kBandRows * samples_), tubes(n_bands, kBandRows * samples_);
+    triangles.sort(scene_.triangles.rows(), [&](std::size_t t) {
+      const double a = corner(t, 0).y(), b = corner(t, 1).y(), c = corner(t, 2).y();
+      return std::pair(std::min({a, b, c}) - 1, std::max({a, b, c}) + 1);
+    });
+    tubes.sort(tubes_.size(), [&](std::size_t i) {
+      const double a = tubes_[i].a.y(), b = a + tubes_[i].ab.y();
+      return std::pair(std::min(a, b) - tubes_[i].radius - 1, std::max(a, b) + tubes_[i].radius + 1);
+    });
+    parallel_for(n_bands, 1, [&](Eigen::Index first_band, Eigen::Index last_band) {
+      for (auto band = static_cast<int>(first_band); band < last_band; ++band) {
+        const int top = band * kBandRows, bottom = std::min(image.height, top + kBandRows);
+        Buffer buffer(image.width * samples_, (bottom - top) * samples_, top * samples_);
+        for (const int* t = triangles.begin(band); t != triangles.end(band); ++t)
+          fill_triangle(buffer, corner(*t, 0), corner(*t, 1), corner(*t, 2), *t);
+        for (const int* i = tubes.begin(band); i != tubes.end(band); ++i)
+          fill_tube(buffer, tubes_[*i], camera_, samples_, n_triangles() + *i);
+        for (int y = top; y < bottom; ++y) shade_row(image, y, buffer, shader, background);
+      }
+    });
+  }
 
-  const auto hit_triangle = [&](int t, double pixel_x, double pixel_y, Hit& hit) {
-    const Vector3d a = in_camera.row(scene.triangles(t, 0)), b = in_camera.row(scene.triangles(t, 1)),
-                   c = in_camera.row(scene.triangles(t, 2));
+ private:
+  int n_triangles() const { return static_cast<int>(scene_.triangles.rows()); }
+  Vector3d corner(std::size_t triangle, int k) const {
+    return in_picture_.row(scene_.triangles(static_cast<Eigen::Index>(triangle), k));
+  }
+
+  void shade_row(Image& image, int y, const Buffer& buffer, const Shader& shader,
+                 const std::function<Colour(double)>& background) const {
+    const Colour behind = background((y + 0.5) / image.height);
+    for (int x = 0; x < image.width; ++x) {
+      Colour sum = Colour::Zero();
+      for (int sy = 0; sy < samples_; ++sy)
+        for (int sx = 0; sx < samples_; ++sx) {
+          const int px = x * samples_ + sx, py = y * samples_ + sy;
+          const int item = buffer.item[static_cast<std::size_t>(py - buffer.first_row) * buffer.width + px];
+          sum += item == kNothing ? behind : shader(hit(item, px, py));
+        }
+      const Colour mean = sum / static_cast<float>(samples_ * samples_);
+      std::uint8_t* pixel = image.at(x, y);
+      for (int k = 0; k < 3; ++k) pixel[k] = srgb_byte(mean[k]);
+    }
+  }
+
+  /// What the middle of a sample shows of the item that covers it.
+  Hit hit(int item, int px, int py) const {
+    Hit hit;
+    if (item < n_triangles())
+      hit_triangle(item, (px + 0.5) / samples_, (py + 0.5) / samples_, hit);
+    else
+      hit_tube(item - n_triangles(), px + 0.5, py + 0.5, hit);
+    hit.viewer = camera_.towards_viewer(hit.position);
+    hit.pixel_size = camera_.pixel_size(hit.position);
+    return hit;
+  }
+
+  void hit_triangle(int t, double pixel_x, double pixel_y, Hit& hit) const {
+    const Vector3d a = in_camera_.row(scene_.triangles(t, 0)), b = in_camera_.row(scene_.triangles(t, 1)),
+                   c = in_camera_.row(scene_.triangles(t, 2));
     Vector3d origin, direction;
-    camera.ray(pixel_x, pixel_y, origin, direction);
+    camera_.ray(pixel_x, pixel_y, origin, direction);
     // Signed volumes of the ray with the edges (Plücker); the same sign inside.
     const Vector3d pa = a - origin, pb = b - origin, pc = c - origin;
     Vector3d w(direction.dot(pb.cross(pc)), direction.dot(pc.cross(pa)), direction.dot(pa.cross(pb)));
@@ -206,57 +250,38 @@ void rasterise(Image& image, const Scene& scene, const Camera& camera, int sampl
     hit.weights = w;
     hit.position = w[0] * a + w[1] * b + w[2] * c;
     hit.normal = (b - a).cross(c - a).normalized();
-  };
-  const auto hit_tube = [&](int i, double x, double y, Hit& hit) {
-    const FlatTube& tube = tubes[i];
+  }
+
+  void hit_tube(int i, double x, double y, Hit& hit) const {
+    const FlatTube& tube = tubes_[i];
     double along = 0, across = 0;
     across_tube(tube, Vector2d(x, y), along, across);
     across = std::min(across, 1.0);
     hit.tube = i;
     hit.weights = Vector3d(1 - along, along, 0);
-    hit.position = on_tube(tube, camera, samples, along, across);
+    hit.position = on_tube(tube, camera_, samples_, along, across);
     const Vector2d aside = (Vector2d(x, y) - tube.a - along * tube.ab) / tube.radius;
     hit.normal = Vector3d(aside.x(), -aside.y(), std::sqrt(1 - across * across)).normalized();
-  };
+  }
 
-  parallel_for(n_bands, 1, [&](Eigen::Index first_band, Eigen::Index last_band) {
-    for (auto band = static_cast<int>(first_band); band < last_band; ++band) {
-      const int top = band * kBandRows, bottom = std::min(image.height, top + kBandRows);
-      Buffer buffer(image.width * samples, (bottom - top) * samples, top * samples);
-      for (const int* t = triangle_bands.begin(band); t != triangle_bands.end(band); ++t)
-        fill_triangle(buffer, in_picture.row(scene.triangles(*t, 0)), in_picture.row(scene.triangles(*t, 1)),
-                      in_picture.row(scene.triangles(*t, 2)), *t);
-      for (const int* i = tube_bands.begin(band); i != tube_bands.end(band); ++i)
-        fill_tube(buffer, tubes[*i], camera, samples, static_cast<int>(m) + *i);
-      for (int y = top; y < bottom; ++y) {
-        const Colour behind = background((y + 0.5) / image.height);
-        for (int x = 0; x < image.width; ++x) {
-          Colour sum = Colour::Zero();
-          for (int sy = 0; sy < samples; ++sy)
-            for (int sx = 0; sx < samples; ++sx) {
-              const int px = x * samples + sx, py = y * samples + sy;
-              const int item =
-                  buffer.item[static_cast<std::size_t>(py - buffer.first_row) * buffer.width + px];
-              if (item == kNothing) {
-                sum += behind;
-                continue;
-              }
-              Hit hit;
-              if (item < m)
-                hit_triangle(item, (px + 0.5) / samples, (py + 0.5) / samples, hit);
-              else
-                hit_tube(item - static_cast<int>(m), px + 0.5, py + 0.5, hit);
-              hit.viewer = camera.towards_viewer(hit.position);
-              hit.pixel_size = camera.pixel_size(hit.position);
-              sum += shader(hit);
-            }
-          const Colour mean = sum / static_cast<float>(samples * samples);
-          std::uint8_t* pixel = image.at(x, y);
-          for (int k = 0; k < 3; ++k) pixel[k] = srgb_byte(mean[k]);
-        }
-      }
-    }
-  });
+  const Scene& scene_;
+  const Camera& camera_;
+  int samples_;
+  Points in_camera_, in_picture_;  ///< of the vertices; the picture counts samples
+  std::vector<FlatTube> tubes_;
+};
+
+}  // namespace
+
+void rasterise(Image& image, const Scene& scene, const Camera& camera, int samples, const Shader& shader,
+               const std::function<Colour(double)>& background, const Progress& progress) {
+  if (samples < 1 || samples > 8)
+    throw InvalidInput(concat("samples must lie between 1 and 8, got ", samples));
+  if (scene.triangles.rows() > 0 &&
+      (scene.triangles.minCoeff() < 0 || scene.triangles.maxCoeff() >= scene.positions.rows()))
+    throw InvalidInput("a triangle of the picture names a vertex that does not exist");
+  progress.report("draw", 0);
+  Rasteriser(scene, camera, samples).draw(image, shader, background);
   progress.report("draw", 1);
 }
 

@@ -177,6 +177,146 @@ void find_gyroscope_bias(const Points& gyroscope, DeviceCalibration& device) {
   device.gyroscope_windows = n;
 }
 
+/// The robust least squares fit of |M (x − o)| = 1 by damped Gauss–Newton steps with Tukey's weights, whose
+/// scale follows the residuals.
+class RobustEllipsoid {
+ public:
+  /// @param x must outlive this; centre and radius of a sphere to start from.
+  RobustEllipsoid(const Points& x, const Vector3d& centre, double radius)
+      : x_(x), residuals_(static_cast<size_t>(x.rows())) {
+    p_.head<3>().setConstant(1 / radius);
+    p_.tail<3>() = centre;
+  }
+
+  /// Returns the number of steps.
+  int run(int max_iterations) {
+    evaluate(p_);
+    deviation_ = robust_scale();
+    double damping = 1e-3;
+    int iteration = 0;
+    while (iteration < max_iterations) {
+      ++iteration;
+      const Vector9d gradient = linearise();
+      const double before = cost();
+      Vector9d step = Vector9d::Zero();
+      bool improved = false;
+      for (int attempt = 0; attempt < 30 && !improved; ++attempt) {
+        Eigen::MatrixXd damped = normal_matrix_;
+        damped.diagonal() +=
+            damping * (normal_matrix_.diagonal().array() + 1e-12 * normal_matrix_.trace()).matrix();
+        step = -damped.ldlt().solve(gradient);
+        evaluate(p_ + step);
+        improved = step.allFinite() && cost() <= before;
+        damping = improved ? std::max(1e-12, damping / 10) : damping * 10;
+      }
+      if (!improved) {
+        evaluate(p_);
+        break;
+      }
+      p_ += step;
+      const double fresh = robust_scale();
+      const bool settled = std::abs(fresh - deviation_) < 1e-6 * deviation_ || fresh <= kSmallestScale;
+      deviation_ = fresh;
+      if (settled && step.norm() < 1e-12) break;
+    }
+    return iteration;
+  }
+
+  const Vector9d& unknowns() const { return p_; }
+  Matrix3d matrix() const { return symmetric(p_); }
+  Vector3d offset() const { return p_.tail<3>(); }
+  /// Of the last step taken, close enough to the optimum.
+  const Matrix9d& normal_matrix() const { return normal_matrix_; }
+  double residual(Eigen::Index i) const { return residuals_[static_cast<size_t>(i)]; }
+  bool is_outlier(Eigen::Index i) const { return weight(residual(i)) == 0; }
+
+ private:
+  void evaluate(const Vector9d& q) {
+    const Matrix3d m = symmetric(q);
+    for (Eigen::Index i = 0; i < x_.rows(); ++i)
+      residuals_[static_cast<size_t>(i)] = (m * (x_.row(i).transpose() - q.tail<3>())).norm() - 1;
+  }
+  double robust_scale() const {
+    std::vector<double> reordered = residuals_;
+    return std::max(kSmallestScale, deviation_by_median(reordered, 0));
+  }
+  double weight(double r) const {
+    const double u = r / (kTukey * deviation_);
+    return std::abs(u) < 1 ? (1 - u * u) * (1 - u * u) : 0.0;
+  }
+  /// Tukey's rho, without its constant factor.
+  double cost() const {
+    double sum = 0;
+    for (const double r : residuals_) {
+      const double u = std::min(1.0, std::abs(r) / (kTukey * deviation_));
+      const double v = 1 - u * u;
+      sum += 1 - v * v * v;
+    }
+    return sum;
+  }
+  /// Sets the normal matrix; returns the gradient.
+  Vector9d linearise() {
+    const Matrix3d m = symmetric(p_);
+    normal_matrix_.setZero();
+    Vector9d gradient = Vector9d::Zero();
+    for (Eigen::Index i = 0; i < x_.rows(); ++i) {
+      const double w = weight(residual(i));
+      if (w == 0) continue;
+      const Vector3d d = x_.row(i).transpose() - p_.tail<3>();
+      const Vector3d y = m * d;
+      const Vector3d direction = y / std::max(y.norm(), 1e-12);
+      Vector9d j;
+      j.head<6>() = entries_jacobian(d).transpose() * direction;
+      j.tail<3>() = -(m.transpose() * direction);
+      normal_matrix_ += w * j * j.transpose();
+      gradient += w * residual(i) * j;
+    }
+    return gradient;
+  }
+
+  // Every solver here is of dynamic size: those of sizes 3, 4 and 9 took a minute to compile.
+  const Points& x_;
+  Vector9d p_ = Vector9d::Zero();  ///< six entries of M, then o
+  std::vector<double> residuals_;
+  double deviation_ = 0;
+  Matrix9d normal_matrix_ = Matrix9d::Zero();
+};
+
+/// Share of the directions that the readings cover. @throws InvalidInput where they are too few.
+double checked_coverage(const std::vector<Vector3d>& directions, double smallest) {
+  const Coverage coverage = coverage_of(directions);
+  if (coverage.share < smallest)
+    throw InvalidInput(concat("the readings cover only ", std::lround(100 * coverage.share),
+                              " % of all directions; turn the device so that the field also comes from ",
+                              coverage.missing));
+  return coverage.share;
+}
+
+/// The largest standard deviation of the offset along any axis.
+/// @param variance of one residual.
+/// @throws InvalidInput where the readings leave a combination of the unknowns open, and where the offset is
+/// known worse than `largest` · strength.
+double checked_uncertainty(const Matrix9d& normal_matrix, double variance, double strength, double largest) {
+  const Vector9d diagonal = normal_matrix.diagonal().cwiseSqrt().cwiseMax(1e-150);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> determinacy(
+      diagonal.cwiseInverse().asDiagonal() * normal_matrix * diagonal.cwiseInverse().asDiagonal());
+  if (!(determinacy.eigenvalues()[0] > kSmallestDeterminacy * determinacy.eigenvalues()[8]))
+    throw InvalidInput(
+        "many ellipsoids fit the readings alike: the device was turned about one axis only; turn it over all "
+        "sides");
+  const Eigen::MatrixXd spread_axes = diagonal.cwiseInverse().asDiagonal() * determinacy.eigenvectors();
+  const Matrix9d covariance = variance * spread_axes * determinacy.eigenvalues().cwiseInverse().asDiagonal() *
+                              spread_axes.transpose();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> offset_spread(covariance.bottomRightCorner<3, 3>());
+  const double uncertainty = std::sqrt(std::max(0.0, offset_spread.eigenvalues()[2])) / strength;
+  if (uncertainty > largest)
+    throw InvalidInput(concat("the zero of the sensor along ",
+                              axis_in_words(offset_spread.eigenvectors().col(2)), " is known only to ",
+                              100 * uncertainty,
+                              " % of the field; record longer, and turn the device over all sides slowly"));
+  return uncertainty;
+}
+
 }  // namespace
 
 SensorCalibration fit_ellipsoid(const Points& readings, EllipsoidFitReport& report,
@@ -200,86 +340,16 @@ SensorCalibration fit_ellipsoid(const Points& readings, EllipsoidFitReport& repo
   if (!(spread > 1e-6) || !(radius > 0.1 * spread) || radius > 100)
     throw InvalidInput("the readings hardly change; turn the device over all sides while recording");
 
-  // Unknowns: six entries of M, then o.
-  Vector9d p = Vector9d::Zero();
-  p.head<3>().setConstant(1 / radius);
-  p.tail<3>() = centre;
-  std::vector<double> residuals(static_cast<size_t>(n));
-  const auto evaluate = [&](const Vector9d& q) {
-    const Matrix3d m = symmetric(q);
-    for (Eigen::Index i = 0; i < n; ++i)
-      residuals[static_cast<size_t>(i)] = (m * (x.row(i).transpose() - q.tail<3>())).norm() - 1;
-  };
-  const auto robust_scale = [&] {
-    std::vector<double> reordered = residuals;
-    return std::max(kSmallestScale, deviation_by_median(reordered, 0));
-  };
-  const auto weight = [](double r, double deviation) {
-    const double u = r / (kTukey * deviation);
-    return std::abs(u) < 1 ? (1 - u * u) * (1 - u * u) : 0.0;
-  };
-  const auto cost = [&](double deviation) {  // Tukey's rho, without its constant factor
-    double sum = 0;
-    for (const double r : residuals) {
-      const double u = std::min(1.0, std::abs(r) / (kTukey * deviation));
-      const double v = 1 - u * u;
-      sum += 1 - v * v * v;
-    }
-    return sum;
-  };
-
-  // Every solver here is of dynamic size: those of sizes 3, 4 and 9 took a minute to compile.
-  Matrix9d normal_matrix;
-  double damping = 1e-3;
-  evaluate(p);
-  double deviation = robust_scale();
-  for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
-    report.iterations = iteration + 1;
-    const Matrix3d m = symmetric(p);
-    normal_matrix.setZero();
-    Vector9d gradient = Vector9d::Zero();
-    for (Eigen::Index i = 0; i < n; ++i) {
-      const double w = weight(residuals[static_cast<size_t>(i)], deviation);
-      if (w == 0) continue;
-      const Vector3d d = x.row(i).transpose() - p.tail<3>();
-      const Vector3d y = m * d;
-      const Vector3d direction = y / std::max(y.norm(), 1e-12);
-      Vector9d j;
-      j.head<6>() = entries_jacobian(d).transpose() * direction;
-      j.tail<3>() = -(m.transpose() * direction);
-      normal_matrix += w * j * j.transpose();
-      gradient += w * residuals[static_cast<size_t>(i)] * j;
-    }
-    const double before = cost(deviation);
-    Vector9d step = Vector9d::Zero();
-    bool improved = false;
-    for (int attempt = 0; attempt < 30 && !improved; ++attempt) {
-      Eigen::MatrixXd damped = normal_matrix;
-      damped.diagonal() +=
-          damping * (normal_matrix.diagonal().array() + 1e-12 * normal_matrix.trace()).matrix();
-      step = -damped.ldlt().solve(gradient);
-      evaluate(p + step);
-      improved = step.allFinite() && cost(deviation) <= before;
-      damping = improved ? std::max(1e-12, damping / 10) : damping * 10;
-    }
-    if (!improved) {
-      evaluate(p);
-      break;
-    }
-    p += step;
-    const double fresh = robust_scale();
-    const bool settled = std::abs(fresh - deviation) < 1e-6 * deviation || fresh <= kSmallestScale;
-    deviation = fresh;
-    if (settled && step.norm() < 1e-12) break;
-  }
-
-  const Matrix3d m = symmetric(p);
+  RobustEllipsoid fit(x, centre, radius);
+  report.iterations = fit.run(options.max_iterations);
+  const Matrix3d m = fit.matrix();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes(m);
-  if (!p.allFinite() || !(axes.eigenvalues()[0] > 0) || axes.eigenvalues()[2] > 20 * axes.eigenvalues()[0])
+  if (!fit.unknowns().allFinite() || !(axes.eigenvalues()[0] > 0) ||
+      axes.eigenvalues()[2] > 20 * axes.eigenvalues()[0])
     throw InvalidInput(
         "no ellipsoid fits the readings; turn the device over all sides, slowly and away from iron");
   SensorCalibration calibration;
-  calibration.offset = scale * p.tail<3>();
+  calibration.offset = scale * fit.offset();
   const double strength = 1 / std::cbrt(m.determinant());  // M · strength has determinant 1
   calibration.matrix = strength * m;
   report.radius = scale * strength;
@@ -287,41 +357,19 @@ SensorCalibration fit_ellipsoid(const Points& readings, EllipsoidFitReport& repo
   double squares = 0;
   std::vector<Vector3d> directions;
   for (Eigen::Index i = 0; i < n; ++i) {
-    const double r = residuals[static_cast<size_t>(i)];
-    if (weight(r, deviation) == 0) {
+    if (fit.is_outlier(i)) {
       ++report.outliers;
       continue;
     }
-    squares += r * r;
-    directions.push_back((m * (x.row(i).transpose() - p.tail<3>())).normalized());
+    squares += fit.residual(i) * fit.residual(i);
+    directions.push_back((m * (x.row(i).transpose() - fit.offset())).normalized());
   }
   const auto kept = static_cast<double>(directions.size());
   report.rms_residual = std::sqrt(squares / std::max(1.0, kept));
   report.rms_before = std::sqrt((raw_lengths.array() - scale).square().mean()) / scale;
-  const Coverage coverage = coverage_of(directions);
-  report.coverage = coverage.share;
-  if (coverage.share < options.smallest_coverage)
-    throw InvalidInput(concat("the readings cover only ", std::lround(100 * coverage.share),
-                              " % of all directions; turn the device so that the field also comes from ",
-                              coverage.missing));
-  const Vector9d diagonal = normal_matrix.diagonal().cwiseSqrt().cwiseMax(1e-150);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> determinacy(
-      diagonal.cwiseInverse().asDiagonal() * normal_matrix * diagonal.cwiseInverse().asDiagonal());
-  if (!(determinacy.eigenvalues()[0] > kSmallestDeterminacy * determinacy.eigenvalues()[8]))
-    throw InvalidInput(
-        "many ellipsoids fit the readings alike: the device was turned about one axis only; turn it over all "
-        "sides");
-  // Covariance of the unknowns at the optimum; normal_matrix is from the last step, close enough.
-  const Eigen::MatrixXd spread_axes = diagonal.cwiseInverse().asDiagonal() * determinacy.eigenvectors();
-  const Matrix9d covariance = squares / std::max(1.0, kept - 9) * spread_axes *
-                              determinacy.eigenvalues().cwiseInverse().asDiagonal() * spread_axes.transpose();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> offset_spread(covariance.bottomRightCorner<3, 3>());
-  report.uncertainty = std::sqrt(std::max(0.0, offset_spread.eigenvalues()[2])) / strength;
-  if (report.uncertainty > options.largest_uncertainty)
-    throw InvalidInput(concat("the zero of the sensor along ",
-                              axis_in_words(offset_spread.eigenvectors().col(2)), " is known only to ",
-                              100 * report.uncertainty,
-                              " % of the field; record longer, and turn the device over all sides slowly"));
+  report.coverage = checked_coverage(directions, options.smallest_coverage);
+  report.uncertainty = checked_uncertainty(fit.normal_matrix(), squares / std::max(1.0, kept - 9), strength,
+                                           options.largest_uncertainty);
   return calibration;
 }
 
