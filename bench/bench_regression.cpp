@@ -325,6 +325,28 @@ void automatic(benchmark::State& state) {
 }
 BENCHMARK(automatic)->Arg(1500)->Arg(16000)->Arg(160000)->Iterations(1)->Unit(benchmark::kMillisecond);
 
+/// The same on a sheet of crossing curves, whose factors fill; at its own samples.
+void automatic_on_sheet(benchmark::State& state) {
+  const SampledScan samples = samples::grid_of(state.range(0), Growth::Network);
+  const Scan scan = readings_of(samples);
+  ScanOptions options;
+  options.step.reset();
+  ScanOptions given = options;
+  given.weights = WeightChoice::Given;
+  double automatic_seconds = 0, given_seconds = 0;
+  for (auto _ : state) {
+    ScanNetwork network;
+    automatic_seconds += seconds_of([&] { network = network_from_scan(scan, options); });
+    given.lambda = network.report.lambda;
+    given.mu = network.report.mu;
+    given_seconds += seconds_of([&] { benchmark::DoNotOptimize(network_from_scan(scan, given)); });
+  }
+  report(state, samples);
+  state.counters["automatic_s"] = automatic_seconds / static_cast<double>(state.iterations());
+  state.counters["of_given"] = automatic_seconds / given_seconds;
+}
+BENCHMARK(automatic_on_sheet)->Arg(1500)->Arg(15000)->Iterations(1)->Unit(benchmark::kMillisecond);
+
 /// Twenty positions of a slider for μ, followed by a kept solver, beside one cold regression and one network
 /// from nothing at its first position, all robust. Medians, so that a disturbed step does not count.
 void slider(benchmark::State& state) {

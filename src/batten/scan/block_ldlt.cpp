@@ -3,10 +3,8 @@
 #include <cmath>
 #include <numeric>
 
-#include <Eigen/OrderingMethods>
-#include <Eigen/SparseCore>
-
 #include "batten/core/parallel.hpp"
+#include "batten/linalg/ordering.hpp"
 #include "batten/scan/block_ldlt_detail.hpp"
 
 namespace batten {
@@ -19,52 +17,6 @@ constexpr double kSubtreeShare = 1.0 / 48;
 constexpr Eigen::Index kChunks = 64;
 /// Below so much work (blocks) threads cost more than they bring.
 constexpr double kParallelWork = 2e4;
-
-/// Minimum degree for the graph of some unknowns. @return their order.
-std::vector<int> minimum_degree(int n, const std::vector<std::pair<int, int>>& joined) {
-  using Graph = Eigen::SparseMatrix<double, Eigen::ColMajor, int>;
-  std::vector<Eigen::Triplet<double>> entries;
-  entries.reserve(2 * joined.size() + n);
-  for (int i = 0; i < n; ++i) entries.emplace_back(i, i, 1.0);  // Eigen leaves vertices without it to the end
-  for (const auto& [a, b] : joined) entries.emplace_back(a, b, 1.0), entries.emplace_back(b, a, 1.0);
-  Graph graph(n, n);
-  graph.setFromTriplets(entries.begin(), entries.end());
-  Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> permutation;
-  Eigen::AMDOrdering<int>()(graph.selfadjointView<Eigen::Lower>(), permutation);
-  std::vector<int> order(n);
-  for (int i = 0; i < n; ++i) order[i] = permutation.indices()[i];
-  return order;
-}
-
-/// Per vertex of a graph its neighbours.
-struct Neighbours {
-  Neighbours(int n, const std::vector<std::pair<int, int>>& joined) : first(n + 1, 0) {
-    for (const auto& [a, b] : joined)
-      if (a != b) ++first[a + 1], ++first[b + 1];
-    std::partial_sum(first.begin(), first.end(), first.begin());
-    list.resize(first[n]);
-    std::vector<int> end(first.begin(), first.end() - 1);
-    for (const auto& [a, b] : joined)
-      if (a != b) list[end[a]++] = b, list[end[b]++] = a;
-  }
-  std::vector<int> first, list;
-};
-
-/// Parents in the elimination tree of a matrix in its order, −1 for roots.
-std::vector<int> elimination_tree(int n, const Neighbours& graph, const std::vector<int>& position,
-                                  const std::vector<int>& unknown) {
-  std::vector<int> parent(n, -1), ancestor(n, -1);
-  for (int j = 0; j < n; ++j)
-    for (int e = graph.first[unknown[j]]; e < graph.first[unknown[j] + 1]; ++e)
-      for (int k = position[graph.list[e]]; k < j && k != -1;) {
-        const int next = ancestor[k];
-        ancestor[k] = j;
-        if (next == -1) parent[k] = j;
-        k = next;
-        if (k == j) break;
-      }
-  return parent;
-}
 
 /// Vertices of a forest with children before parents and subtrees together. @return per place the vertex.
 std::vector<int> postorder(const std::vector<int>& parent) {
@@ -126,34 +78,33 @@ void divide(const Eigen::Matrix<double, B, B>& G, Eigen::Matrix<double, B, B>& U
 }  // namespace
 
 template <int B>
-BlockLdlt<B>::BlockLdlt(int n, const std::vector<std::pair<int, int>>& joined, std::vector<char> multiplier)
+BlockLdlt<B>::BlockLdlt(int n, const std::vector<std::pair<int, int>>& joined, std::vector<char> multiplier,
+                        const Progress& progress)
     : n_(n) {
-  order(joined);
+  const AdjacencyGraph graph(n_, joined);
+  order(graph, progress);
   negative_.resize(n_);
   for (int i = 0; i < n_; ++i) negative_[position_[i]] = multiplier.empty() ? 0 : multiplier[i];
-  analyse(joined);
+  progress.report("ordering", 0.9);
+  analyse(graph);
   plan();
   log_pivot_.assign(n_, 0);
   clear();
 }
 
 template <int B>
-void BlockLdlt<B>::order(const std::vector<std::pair<int, int>>& joined) {
-  const Neighbours graph(n_, joined);
-  unknown_ = minimum_degree(n_, joined);
+void BlockLdlt<B>::order(const AdjacencyGraph& graph, const Progress& progress) {
+  const std::vector<int> order = fill_reducing_order(graph, progress);
+  unknown_.resize(n_);
+  const std::vector<int> places = postorder(elimination_tree(graph, order));
+  for (int j = 0; j < n_; ++j) unknown_[j] = order[places[j]];
   position_.resize(n_);
   for (int j = 0; j < n_; ++j) position_[unknown_[j]] = j;
-  const std::vector<int> places = postorder(elimination_tree(n_, graph, position_, unknown_));
-  std::vector<int> moved(n_);
-  for (int j = 0; j < n_; ++j) moved[j] = unknown_[places[j]];
-  unknown_ = std::move(moved);
-  for (int j = 0; j < n_; ++j) position_[unknown_[j]] = j;
-  parent_ = elimination_tree(n_, graph, position_, unknown_);
+  parent_ = elimination_tree(graph, unknown_);
 }
 
 template <int B>
-void BlockLdlt<B>::analyse(const std::vector<std::pair<int, int>>& joined) {
-  const Neighbours graph(n_, joined);
+void BlockLdlt<B>::analyse(const AdjacencyGraph& graph) {
   // Row i of the factor: all columns on the ways from the entries of the matrix up to i.
   std::vector<int> mark(n_, -1);
   std::vector<int> columns;

@@ -9,6 +9,8 @@
 
 namespace batten {
 
+struct AdjacencyGraph;
+
 /// L S Lᵀ, S = ±1, of a sparse symmetric matrix of dense B × B blocks, without pivoting: positive definite,
 /// or quasi-definite [vanderbei1995] (negative definite in the unknowns that are multipliers), which has a
 /// factor in every order. The pattern is analysed once. Independent subtrees of the elimination tree are
@@ -27,7 +29,9 @@ class BlockLdlt {
   /// @param n blocks of unknowns. @param joined pairs whose block is not zero; the diagonal need not be
   /// named.
   /// @param multiplier per unknown, not 0: its part of the matrix is negative definite.
-  BlockLdlt(int n, const std::vector<std::pair<int, int>>& joined, std::vector<char> multiplier = {});
+  /// @throws Cancelled.
+  BlockLdlt(int n, const std::vector<std::pair<int, int>>& joined, std::vector<char> multiplier = {},
+            const Progress& progress = {});
 
   int size() const { return n_; }
   /// Multiplications and additions of blocks in one factorisation, about.
@@ -66,8 +70,8 @@ class BlockLdlt {
     int column, place;
   };
 
-  void order(const std::vector<std::pair<int, int>>& joined);
-  void analyse(const std::vector<std::pair<int, int>>& joined);
+  void order(const AdjacencyGraph& graph, const Progress& progress);
+  void analyse(const AdjacencyGraph& graph);
   void plan();
   bool eliminate(int column, int* target);
   void invert_column(int column);

@@ -82,7 +82,7 @@ JointEstimate result_of(const SampledScan& scan, JointModel& model) {
 JointEstimate estimate_jointly(const SampledScan& scan, const JointOptions& options,
                                const Progress& progress) {
   if (!(options.size > 0)) throw InvalidInput(concat("the size of the scan must be > 0, got ", options.size));
-  JointModel model(scan, options);
+  JointModel model(scan, options, progress);
   start_from_regression(scan, options, model, progress);
   NoiseModel noise = options.noise ? *options.noise : model.prior().centre();
   model.set_normal_deviation(noise.white);

@@ -4,21 +4,24 @@
 
 namespace batten {
 
-JointLayout::JointLayout(const SampledScan& scan, double size)
+JointLayout::JointLayout(const SampledScan& scan, double size, const Progress& progress)
     : n_curves(static_cast<int>(scan.curves.size())),
       vertices(number_vertices(scan)),
       frames(number_frames(scan)) {
+  progress.report("ordering", 0);
   number(scan, size);
   pair_up(scan);
   find_segments(scan);
+  progress.report("ordering", 0);
   normals = frames.node_pairs;
   std::vector<char> multiplier(n_blocks, 0);
   for (const JointSegment& s : segments) multiplier[s.multiplier] = 1;
   multiplier[mean_at] = 1;
-  system = FrameLdlt(n_blocks, joined(), multiplier);
+  system = FrameLdlt(n_blocks, joined(), multiplier, progress);
   std::vector<std::pair<int, int>> chain;
   for (const StepPair& p : pairs) chain.emplace_back(p.k, p.l);
-  shape = BlockLdlt<1>(static_cast<int>(steps.size()), chain);
+  shape = BlockLdlt<1>(static_cast<int>(steps.size()), chain, {}, progress);
+  progress.report("ordering", 1);
   find_slots();
 }
 

@@ -45,7 +45,7 @@ struct JointSegment {
 /// three idle), and one multiplier for the mean of the factors. Positions between the nodes are eliminated:
 /// the multiplier stands for the whole sum of steps.
 struct JointLayout {
-  JointLayout(const SampledScan& scan, double size);
+  JointLayout(const SampledScan& scan, double size, const Progress& progress = {});
 
   int n_curves = 0, n_samples = 0, n_nodes = 0, n_frames = 0;
   int drift_at = 0, node_at = 0, scale_at = 0, mean_at = 0, n_blocks = 0;  ///< first blocks of each kind

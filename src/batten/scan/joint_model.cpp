@@ -32,8 +32,8 @@ double inner(const Matrix3d& a, const Matrix3d& b) {
 
 }  // namespace
 
-JointModel::JointModel(const SampledScan& scan, const JointOptions& options)
-    : scan_(scan), options_(options), prior_(options), layout_(scan, options.size) {
+JointModel::JointModel(const SampledScan& scan, const JointOptions& options, const Progress& progress)
+    : scan_(scan), options_(options), prior_(options), layout_(scan, options.size, progress) {
   state_.X.assign(layout_.n_frames, Matrix3d::Identity());
   state_.drift.setZero(layout_.n_samples, 3);
   state_.nodes.setZero(layout_.n_nodes, 3);

@@ -32,8 +32,8 @@ struct NoiseEvaluation {
 /// its determinant is that of the definite one up to a constant. O(samples) for networks that are not sheets.
 class JointModel {
  public:
-  /// @param scan must outlive the model.
-  JointModel(const SampledScan& scan, const JointOptions& options);
+  /// @param scan must outlive the model. @throws Cancelled.
+  JointModel(const SampledScan& scan, const JointOptions& options, const Progress& progress = {});
 
   const JointLayout& layout() const { return layout_; }
   JointState& state() { return state_; }
