@@ -95,6 +95,46 @@ TEST(RemeshState, SplitsEveryEdgeThatIsTooLong) {
   EXPECT_GE(on_chains, 12 * 6);
 }
 
+// One call leaves no edge that is too long, of a cube in twelve triangles; lines alone leave those across the
+// faces.
+TEST(RemeshState, RefinesUntilNoEdgeIsTooLong) {
+  RemeshState state = marked_cube(1, 0.05);
+  EXPECT_EQ(state.refine(4.0 / 3, true, radians(0.1)), 12 * 15);  // halves, quarters, 1/8, 1/16 < 4/3 · 0.05
+  EXPECT_GT(longest(state), 20);
+  expect_cube(state);
+  state.flip_flat_pieces(radians(0.1));
+  state.refine(4.0 / 3, false, radians(0.1));
+  EXPECT_LE(longest(state), 4.0 / 3);
+  expect_cube(state);
+}
+
+// Afterwards angles opposite to an edge in a plane sum to at most π (the definition of Delaunay), and edges
+// of the cube are where they were.
+TEST(RemeshState, FlipsFlatPiecesToDelaunay) {
+  RemeshState state = marked_cube(1, 0.1);
+  state.refine(4.0 / 3, true, radians(0.1));
+  const auto opposite_angles = [&] {
+    double most = 0;
+    for_each_edge(state, [&](int h) {
+      if (state.mesh.is_marked(h)) return;
+      double sum = 0;
+      for (const int g : {h, state.mesh.opposite(h)}) {
+        const Eigen::Vector3d tip = state.mesh.position(state.mesh.tip(g)),
+                              a = state.mesh.position(state.mesh.from(g)) - tip,
+                              b = state.mesh.position(state.mesh.to(g)) - tip;
+        sum += std::atan2(a.cross(b).norm(), a.dot(b));
+      }
+      most = std::max(most, sum);
+    });
+    return most;
+  };
+  ASSERT_GT(opposite_angles(), kPi + 0.1);
+  EXPECT_GT(state.flip_flat_pieces(radians(0.1)), 0);
+  EXPECT_LE(opposite_angles(), kPi + 2e-6);
+  EXPECT_EQ(state.flip_flat_pieces(radians(0.1)), 0);
+  expect_cube(state);
+}
+
 TEST(RemeshState, CollapsesShortEdgesAndKeepsTheFeatures) {
   RemeshState state = marked_cube(12, 0.25);
   const int before = state.mesh.n_vertices();

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <queue>
+#include <utility>
 
 #include <Eigen/Geometry>
 
@@ -40,6 +43,7 @@ struct Candidate {
   bool operator<(const Candidate& other) const {
     return key != other.key ? key < other.key : halfedge < other.halfedge;
   }
+  bool operator>(const Candidate& other) const { return other < *this; }
 };
 
 }  // namespace
@@ -89,6 +93,55 @@ void RemeshState::add_vertex(int v, double size_there, int chain_there, double p
   place[v] = place_there;
 }
 
+int RemeshState::split_in_the_middle(int h) {
+  const int u = mesh.from(h), v = mesh.to(h);
+  const double size_there = 0.5 * (size[u] + size[v]);
+  int chain_there = kNone;
+  double place_there = 0;
+  Vector3d p = 0.5 * (mesh.position(u) + mesh.position(v));
+  if (mesh.is_marked(h)) {
+    chain_there = chain_of_edge(h);
+    place_there = 0.5 * (place_on(chain_there, u) + place_on(chain_there, v));
+    p = features_->chains[chain_there].at(place_there);
+    ++inner_vertices_[chain_there];
+  }
+  const int m = mesh.split_edge(h, p);
+  add_vertex(m, size_there, chain_there, place_there);
+  return m;
+}
+
+int RemeshState::refine(double ratio, bool lines_only, double turn, const Progress& progress) {
+  std::priority_queue<Candidate, std::vector<Candidate>, std::greater<>> edges;
+  const double cosine = std::cos(turn);
+  const auto is_line = [&](int h) {
+    if (mesh.is_border_edge(h) || mesh.is_marked(h)) return true;
+    const Vector3d m = mesh.area_normal(HalfedgeMesh::face(h)),
+                   n = mesh.area_normal(HalfedgeMesh::face(mesh.opposite(h)));
+    return m.dot(n) < cosine * m.norm() * n.norm();
+  };
+  const auto offer = [&](int h) {
+    const double key = edge_length(h) / wanted_length(h);
+    if (key > ratio && (!lines_only || is_line(h))) edges.push({-key, h});
+  };
+  for (int h = 0; h < mesh.halfedge_capacity(); ++h)
+    if (mesh.is_representative(h)) offer(h);
+  int splits = 0;
+  while (!edges.empty()) {
+    const auto [key, h] = edges.top();
+    edges.pop();
+    if (-key != edge_length(h) / wanted_length(h)) continue;  // was split since
+    const int m = split_in_the_middle(h);
+    if (++splits % kEdgesPerReport == 0) progress.report("refine", 0);
+    // The edges across from it were renumbered.
+    mesh.for_each_outgoing(m, [&](int out) {
+      offer(out);
+      offer(HalfedgeMesh::next(out));
+      if (const int before = HalfedgeMesh::prev(out); mesh.is_border_edge(before)) offer(before);
+    });
+  }
+  return splits;
+}
+
 int RemeshState::split_long_edges(double ratio, const Progress& progress) {
   std::vector<Candidate> edges;
   for (int h = 0; h < mesh.halfedge_capacity(); ++h)
@@ -106,19 +159,8 @@ int RemeshState::split_long_edges(double ratio, const Progress& progress) {
       progress.report("split", static_cast<double>(i) / static_cast<double>(edges.size()));
     const int h = edges[i].halfedge;
     if (!(edge_length(h) > ratio * wanted_length(h))) continue;
-    const int u = mesh.from(h), v = mesh.to(h);
-    const double size_there = 0.5 * (size[u] + size[v]);
-    int chain_there = kNone;
-    double place_there = 0;
-    Vector3d p = 0.5 * (mesh.position(u) + mesh.position(v));
-    if (mesh.is_marked(h)) {
-      chain_there = chain_of_edge(h);
-      place_there = 0.5 * (place_on(chain_there, u) + place_on(chain_there, v));
-      p = features_->chains[chain_there].at(place_there);
-      ++inner_vertices_[chain_there];
-    }
-    const int m = mesh.split_edge(h, p);
-    add_vertex(m, size_there, chain_there, place_there);
+    const int v = mesh.to(h);
+    const int m = split_in_the_middle(h);
     ++splits;
     // h kept the half at u.
     for (const int half : {h, mesh.find(m, v), mesh.find(v, m)})
@@ -305,6 +347,40 @@ int RemeshState::flip_for_angles(double turn) {
     if (!mesh.is_border_vertex(mesh.to(h)) && mesh.valence(mesh.to(h)) <= 3) continue;
     mesh.flip(h);
     ++flips;
+  }
+  return flips;
+}
+
+int RemeshState::flip_flat_pieces(double turn) {
+  const double cosine = std::cos(turn);
+  std::vector<int> due;
+  std::vector<char> is_due(mesh.halfedge_capacity(), 0);
+  const auto offer = [&](int h) {
+    if (std::exchange(is_due[h], 1) == 0) due.push_back(h);
+  };
+  for (int h = mesh.halfedge_capacity() - 1; h >= 0; --h)
+    if (mesh.is_representative(h)) offer(h);
+  int flips = 0;
+  // In a plane it ends by itself; the limit is for pieces that are not quite flat.
+  for (const int most = 20 * mesh.halfedge_capacity(); !due.empty() && flips < most;) {
+    const int h = due.back();
+    due.pop_back();
+    is_due[h] = 0;
+    if (mesh.is_border_edge(h) || mesh.is_marked(h)) continue;
+    const int o = mesh.opposite(h);
+    const Vector3d &u = mesh.position(mesh.from(h)), &v = mesh.position(mesh.to(h)),
+                   &w = mesh.position(mesh.tip(h)), &x = mesh.position(mesh.tip(o));
+    const Vector3d n1 = (v - u).cross(w - u), n2 = (x - u).cross(v - u);
+    if (!(n1.dot(n2) >= cosine * n1.norm() * n2.norm())) continue;
+    if (!(angle_between(u - w, v - w) + angle_between(u - x, v - x) > kPi + 1e-6)) continue;
+    const Vector3d normal = n1 + n2, f1 = (w - x).cross(u - x), f2 = (x - w).cross(v - w);
+    if (!(f1.dot(normal) > 0 && f2.dot(normal) > 0) || !mesh.can_flip(h)) continue;
+    mesh.flip(h);
+    ++flips;
+    for (const int side : {h, mesh.opposite(h)}) {
+      offer(HalfedgeMesh::next(side));
+      offer(HalfedgeMesh::prev(side));
+    }
   }
   return flips;
 }

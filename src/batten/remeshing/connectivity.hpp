@@ -36,6 +36,11 @@ class RemeshState {
 
   /// Splits edges longer than `ratio` times the wanted length, longest first. @return how many.
   int split_long_edges(double ratio, const Progress& progress = {});
+  /// The same until no such edge is left: always the longest next, those across included, which ends because
+  /// every new edge is shorter than that. The surface stays where it is.
+  /// @param lines_only features and edges between faces that turn by more than `turn` radians alone.
+  /// @return how many.
+  int refine(double ratio, bool lines_only, double turn, const Progress& progress = {});
   /// Collapses edges shorter than `ratio` times the wanted length, shortest first, where that makes no edge
   /// longer than `longest` times its wanted length, turns no face over and leaves features on their curves.
   int collapse_short_edges(double ratio, double longest, const Progress& progress = {});
@@ -44,8 +49,14 @@ class RemeshState {
   int flip_for_valence(double turn, double angle);
   /// Turns edges that raise the smallest angle of their two faces.
   int flip_for_angles(double turn);
+  /// Turns edges between faces in one plane, up to `turn` radians, where the angles opposite to them sum to
+  /// more than π, until there are none: Delaunay triangulations of flat pieces. The surface stays where it
+  /// is.
+  int flip_flat_pieces(double turn);
 
  private:
+  /// Puts a vertex in the middle of h (of its part of the chain).
+  int split_in_the_middle(int h);
   /// Collapses h so that its start goes (its end, where `reversed`), if that is allowed and sound.
   bool collapse_towards(int h, bool reversed, double longest);
   bool collapse_is_sound(int h, const Eigen::Vector3d& place, double longest) const;

@@ -34,6 +34,15 @@ constexpr double kScatter = 0.14;
 constexpr double kGradation = 0.25;
 /// σ of the weights of STEP 1 (H 2.39).
 constexpr double kAreaSimilarity = 0.05;
+/// Most rounds on parts of facets, where the mean edge takes longer to reach.
+constexpr int kMostRounds = 20;
+/// Inputs a fifth of which has edges longer than this many wanted lengths are refined before anything moves.
+constexpr double kCoarse = 3;
+/// Faces that meet at less than this lie in one plane.
+constexpr double kFlat = radians(0.05);
+/// Lines between the facets of a part that turn by more are kept: an edge of length h that cuts across a line
+/// of angle θ misses it by h θ/4, here 2 % of h.
+constexpr double kFacetAngle = radians(4.0);
 
 void check(const TriangleMesh& mesh, const RemeshOptions& options) {
   if (mesh.n_triangles() == 0) throw InvalidInput("there are no triangles to remesh");
@@ -42,6 +51,10 @@ void check(const TriangleMesh& mesh, const RemeshOptions& options) {
   if (options.sizes.size() != mesh.n_vertices())
     throw InvalidInput(concat("there are ", options.sizes.size(), " sizes, but the mesh has ",
                               mesh.n_vertices(), " vertices"));
+}
+
+double angle_between(const Vector3d& a, const Vector3d& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b));
 }
 
 double mean_edge_length(const HalfedgeMesh& mesh) {
@@ -77,6 +90,59 @@ Points area_weighted_normals(const Points& positions, const Triangles& triangles
   return normals;
 }
 
+double dihedral_angle(const HalfedgeMesh& mesh, int h) {
+  return angle_between(mesh.area_normal(HalfedgeMesh::face(h)),
+                       mesh.area_normal(HalfedgeMesh::face(mesh.opposite(h))));
+}
+
+/// Whether the mesh is that of a part of flat facets, as CAD programs export cylinders: in strips between
+/// straight lines. There the facets are the surface, and what lies between them is not curvature but lines to
+/// keep. It is one where it is coarse beside edges of the given length, or where nearly every vertex is the
+/// end of a line at a sharp edge.
+bool is_faceted(const HalfedgeMesh& mesh, double length, double crease_angle) {
+  std::vector<double> angle(mesh.halfedge_capacity(), kPi);
+  for (int h = 0; h < mesh.halfedge_capacity(); ++h)
+    if (mesh.has_halfedge(h) && !mesh.is_border_edge(h)) angle[h] = dihedral_angle(mesh, h);
+  const auto edge_length = [&](int h) {
+    return (mesh.position(mesh.from(h)) - mesh.position(mesh.to(h))).norm();
+  };
+  std::vector<char> is_flat(mesh.face_capacity(), 0);
+  double area = 0, coarse = 0;
+  for (int f = 0; f < mesh.face_capacity(); ++f) {
+    if (!mesh.has_face(f)) continue;
+    double longest = 0;
+    for (int h = 3 * f; h < 3 * f + 3; ++h) {
+      longest = std::max(longest, edge_length(h));
+      if (angle[h] < kFlat) is_flat[f] = 1;
+    }
+    const double doubled = mesh.area_normal(f).norm();
+    if (longest * longest > 8 * doubled) is_flat[f] = 1;  // a needle
+    area += doubled;
+    if (longest > 2 * length) coarse += doubled;
+  }
+  struct Lines {
+    int all = 0, sharp = 0;
+  };
+  std::vector<Lines> at(mesh.vertex_capacity());
+  double lines = 0, flat = 0;
+  for (int h = 0; h < mesh.halfedge_capacity(); ++h) {
+    if (!mesh.is_representative(h) || !(angle[h] > kFacetAngle)) continue;
+    const bool is_sharp = angle[h] > crease_angle;
+    for (const int v : {mesh.from(h), mesh.to(h)}) {
+      ++at[v].all;
+      at[v].sharp += is_sharp ? 1 : 0;
+    }
+    if (is_sharp) continue;
+    lines += edge_length(h);
+    if (is_flat[HalfedgeMesh::face(h)] != 0 && is_flat[HalfedgeMesh::face(mesh.opposite(h))] != 0)
+      flat += edge_length(h);
+  }
+  if (lines > 0 && !(flat > 0.9 * lines)) return false;
+  const auto ends =
+      std::count_if(at.begin(), at.end(), [](const Lines& n) { return n.all > 2 && n.sharp > 0; });
+  return coarse > 0.3 * area || static_cast<double>(ends) > 0.8 * mesh.n_vertices();
+}
+
 /// The surface that the new triangles must follow, and the sizes on it.
 struct Reference {
   Points positions;
@@ -109,6 +175,7 @@ class Remesher {
     const double area = total_area(mesh);
     if (!(area > 0)) throw InvalidInput("the triangles have no area; there is nothing to remesh");
     double length = options.edge_length > 0 ? options.edge_length : mean_edge_length(mesh);
+    edge_length_ = length;
     // Areas follow the mean square of the edges, which exceeds the square of their mean by their scatter.
     length *= std::sqrt(1 + kScatter * kScatter);
     if (options.n_vertices > 0) length = std::sqrt(2 * area / (std::sqrt(3.0) * options.n_vertices));
@@ -118,6 +185,13 @@ class Remesher {
     // Creases that end freely within a few edges are the roughness of a scan, not a design.
     feature_options.least_length = 4 * length;
     feature_options.fade = 0.5;
+    if (options.keep_edges > kFacetAngle && options.keep_edges < kPi &&
+        is_faceted(mesh, length, options.keep_edges)) {
+      is_faceted_ = true;
+      feature_options.crease_angle = kFacetAngle;
+      feature_options.least_length = 0;
+      feature_options.fade = 1;
+    }
     progress_.report("remeshing", 0);
     features_ = mark_features(mesh, feature_options);
     progress_.report("remeshing", 0);
@@ -145,11 +219,18 @@ class Remesher {
   RemeshResult run() {
     report_.target_vertices = target_vertices_;
     for (const int c : state_->corner) report_.corners += c >= 0 ? 1 : 0;
+    refine(progress_.part("refine", 0, 0));
     double last_variance = 0;
-    for (int round = 0; round < options_.max_iterations && !report_.converged; ++round) {
-      const Progress part =
-          progress_.part("remeshing", static_cast<double>(round) / (options_.max_iterations + 2),
-                         (round + 1.0) / (options_.max_iterations + 2));
+    const auto misses_length = [&] {
+      return is_faceted_ && options_.n_vertices == 0 &&
+             std::abs(mean_edge_length(state_->mesh) / edge_length_ - 1) > 0.1;
+    };
+    for (int round = 0;
+         (round < options_.max_iterations || (round < kMostRounds && misses_length())) && !report_.converged;
+         ++round) {
+      const double done = std::min(round, options_.max_iterations - 1);
+      const Progress part = progress_.part("remeshing", done / (options_.max_iterations + 2),
+                                           (done + 1) / (options_.max_iterations + 2));
       change_connectivity(round, part.part("connectivity", 0, 0.5));
       const double variance = regularize(5, part.part("regularization", 0.5, 1));
       report_.area_variance.push_back(variance);
@@ -170,11 +251,40 @@ class Remesher {
   }
 
  private:
+  /// Brings triangles that are far too long down to size while the surface stays as it is: in the fans of
+  /// needles that single splits leave, vertices would move out of the surface and across each other.
+  void refine(const Progress& progress) {
+    ScopedStage stage(times_, "connectivity");
+    double longest = 0, area = 0, coarse = 0;
+    for (int f = 0; f < state_->mesh.face_capacity(); ++f) {
+      if (!state_->mesh.has_face(f)) continue;
+      double ratio = 0;
+      for (int h = 3 * f; h < 3 * f + 3; ++h)
+        ratio = std::max(ratio, state_->edge_length(h) / state_->wanted_length(h));
+      longest = std::max(longest, ratio);
+      const double doubled = state_->mesh.area_normal(f).norm();
+      area += doubled;
+      if (ratio > kCoarse) coarse += doubled;
+    }
+    if (!(coarse > 0.2 * area)) return;
+    // Lines first, and by halves with good triangles between: cutting needles as they are would make many
+    // times the vertices that are wanted, and fans of thousands.
+    for (const bool lines_only : {true, false})
+      for (double ratio = longest; ratio > kSplitAbove;) {
+        ratio = std::max(0.5 * ratio, kSplitAbove);
+        state_->refine(ratio, lines_only, kFlat, progress);
+        state_->flip_flat_pieces(kFlat);
+      }
+  }
+
   /// STEP 0. The sizes are scaled towards the wanted number of vertices after the first rounds.
   void change_connectivity(int round, const Progress& progress) {
     ScopedStage stage(times_, "connectivity");
-    if (round >= 2 && round < 8) {
-      const double ratio = std::sqrt(state_->mesh.n_vertices() / target_vertices_);
+    if (round >= 2 && (round < 8 || is_faceted_)) {
+      // Between the lines of a part triangles can be longer than wide: there it is the length that counts.
+      const double ratio = is_faceted_ && options_.n_vertices == 0
+                               ? std::clamp(edge_length_ / mean_edge_length(state_->mesh), 0.5, 2.0)
+                               : std::sqrt(state_->mesh.n_vertices() / target_vertices_);
       scale_ *= ratio;
       for (double& size : state_->size) size *= ratio;
     }
@@ -300,6 +410,8 @@ class Remesher {
   FeatureChains features_;
   std::optional<Reference> reference_;
   std::optional<RemeshState> state_;
+  bool is_faceted_ = false;
+  double edge_length_ = 0;  ///< the mean that is asked for
   double target_vertices_ = 0;
   double scale_ = 1;  ///< of the sizes, to meet the number of vertices
 };
