@@ -1,6 +1,7 @@
 #include "command.hpp"
 
 #include "report_page.hpp"
+#include "shell_help.hpp"
 #include "suggestions.hpp"
 
 #include <algorithm>
@@ -12,6 +13,7 @@
 #include <iostream>
 #include <memory>
 #include <new>
+#include <optional>
 
 #include <unistd.h>
 
@@ -19,6 +21,8 @@
 #include "batten/core/parallel.hpp"
 #include "batten/core/text.hpp"
 #include "batten/io/file.hpp"
+#include "batten/io/log_columns.hpp"
+#include "batten/io/standard_streams.hpp"
 
 namespace batten::cli {
 
@@ -106,9 +110,11 @@ Json option_values(const CLI::App& command) {
 }
 
 void print(const Outcome& outcome) {
+  // Where a result went to standard output, what is said about it goes beside.
+  std::ostream& out = standard_output_taken() ? std::cerr : std::cout;
   if (!chosen.json) {
     if (chosen.quiet) return;
-    for (const std::string& line : outcome.lines) std::cout << line << '\n';
+    for (const std::string& line : outcome.lines) out << line << '\n';
     for (const std::string& warning : outcome.warnings) std::cerr << "warning: " << warning << '\n';
     return;
   }
@@ -121,7 +127,7 @@ void print(const Outcome& outcome) {
   seconds["total"] = outcome.times.total();
   object["seconds"] = seconds;
   object["warnings"] = outcome.warnings;
-  std::cout << object.dump(2) << '\n';
+  out << object.dump(2) << '\n';
 }
 
 const char* word_of(ExitCode code) {
@@ -151,9 +157,25 @@ int fail(ExitCode code, std::string_view sentence, bool printed = false, const s
   error["file"] = file.empty() ? Json(nullptr) : Json(file);
   error["line"] = line > 0 ? Json(line) : Json(nullptr);
   error["remedy"] = remedy == std::string_view::npos ? Json(nullptr) : Json(sentence.substr(remedy + 2));
-  std::cout << Json{{"error", error}}.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
-  std::cout.flush();
+  std::ostream& out = standard_output_taken() ? std::cerr : std::cout;
+  out << Json{{"error", error}}.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
+  out.flush();
   return code;
+}
+
+/// What asks less of the memory, by the options that the command has.
+std::string memory_remedy(const CLI::App& command) {
+  static const std::pair<const char*, const char*> kRemedies[] = {
+      {"--edge-length", "try a larger --edge-length"},
+      {"--edge", "try a larger --edge"},
+      {"--step", "try a larger --step"},
+      {"--levels", "try fewer --levels"},
+      {"--size", "try a smaller --size"},
+      {"--samples", "try fewer --samples"},
+      {"--resample", "try a larger --resample"}};
+  for (const auto& [option, remedy] : kRemedies)
+    if (command.get_option_no_throw(option) != nullptr) return remedy;
+  return "try a smaller input, as batten simplify makes it";
 }
 
 int run_chosen() {
@@ -183,7 +205,7 @@ int run_chosen() {
   } catch (const Error& error) {
     return fail(kWorkFailed, error.what());
   } catch (const std::bad_alloc&) {
-    return fail(kWorkFailed, "not enough memory for this input; try a larger --step");
+    return fail(kWorkFailed, concat("not enough memory for this; ", memory_remedy(*chosen.command)));
   } catch (const std::exception& error) {
     return fail(kWorkFailed, std::string("unexpected failure, please report it: ") + error.what());
   }
@@ -226,6 +248,17 @@ void add_run(const StageTimes& times, const std::vector<std::string>& warnings, 
     }
     outcome.warnings.push_back(shown);
   }
+}
+
+void add_columns_option(CLI::App& command, std::string& columns) {
+  command
+      .add_option("--columns", columns,
+                  "Sensor logs of other programs: auto, or what holds what, as "
+                  "time=t_ms:ms,acc=ax:ay:az:g,mag=mx:my:mz:uT,gyr=gx:gy:gz:deg/"
+                  "s,distance=ticks:0.026mm,curve=c,node=n")
+      ->check(parses("auto|COLUMNS", [](const std::string& text) {
+        if (text != "auto") parse_log_columns(text);
+      }));
 }
 
 CLI::Validator parses(const std::string& form, std::function<void(const std::string&)> parse) {
@@ -275,6 +308,38 @@ std::string suggestion(const CLI::App& app, const std::vector<std::string>& argu
 
 }  // namespace
 
+namespace {
+
+/// The two commands that only print what shells and `man` want to know.
+struct ShellHelp {
+  std::string shell, page;
+  CLI::App *completion = nullptr, *manual = nullptr;
+
+  explicit ShellHelp(CLI::App& app) {
+    completion =
+        app.add_subcommand("completion", "Print the completion of commands and options for a shell.");
+    completion->footer("Example:\n  source <(batten completion bash)");
+    completion->add_option("SHELL", shell, "bash, zsh or fish")
+        ->required()
+        ->check(CLI::IsMember({"bash", "zsh", "fish"}));
+    manual = app.add_subcommand("manual", "Print a page of the manual, for man.");
+    manual->footer("Example:\n  batten manual surface | man -l -");
+    manual->add_option("COMMAND", page, "The command that it is about; the program when left out");
+  }
+
+  /// The text of the one that was asked for. @throws CLI::ValidationError where there is no such command.
+  std::optional<std::string> text(const CLI::App& app) const {
+    if (completion->parsed()) return cli::completion(app, shell);
+    if (!manual->parsed()) return std::nullopt;
+    if (page.empty()) return manual_page(app, nullptr);
+    for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
+      if (command->get_name() == page) return manual_page(app, command);
+    throw CLI::ValidationError(concat("there is no command '", page, "'"));
+  }
+};
+
+}  // namespace
+
 int run(int argc, char** argv) {
   std::signal(SIGINT, [](int) { interrupted = true; });
   CLI::App app("Batten turns curves traced on an object into a fair surface.", "batten");
@@ -296,8 +361,13 @@ int run(int argc, char** argv) {
   add_simplify(app);
   add_deform(app);
   add_report(app);
+  const ShellHelp help(app);
   try {
     app.parse(argc, argv);
+    if (const auto text = help.text(app)) {
+      std::cout << *text;
+      return kOk;
+    }
   } catch (const CLI::Success& request) {  // --help, --version
     return app.exit(request);
   } catch (const CLI::ParseError& error) {

@@ -44,6 +44,9 @@ using Work = std::function<Outcome(Context&)>;
 CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& description,
                       const std::string& example, Work work);
 
+/// Adds --columns, by which sensor logs of other programs are read.
+void add_columns_option(CLI::App& command, std::string& columns);
+
 /// A check of an option that runs while the command line is parsed: where `parse` throws InvalidInput, the
 /// value is bad usage and its sentence the answer. `form` stands for the value in --help.
 CLI::Validator parses(const std::string& form, std::function<void(const std::string&)> parse);

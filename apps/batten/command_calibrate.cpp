@@ -14,7 +14,7 @@ namespace batten::cli {
 namespace {
 
 struct CalibrateArguments {
-  std::string input, output;
+  std::string input, output, columns;
 };
 
 Json sensor_json(const SensorCalibration& sensor, const EllipsoidFitReport& report) {
@@ -45,7 +45,8 @@ Outcome run_calibrate(const CalibrateArguments& arguments) {
   SensorLog log;
   {
     const ScopedStage stage(outcome.times, "read");
-    log = read_sensor_log(arguments.input);
+    log = read_sensor_log(arguments.input, arguments.columns,
+                          arguments.columns.empty() ? nullptr : &outcome.warnings);
   }
   DeviceCalibration device;
   {
@@ -89,6 +90,7 @@ void add_calibrate(CLI::App& app) {
       ->add_option("recording", arguments->input,
                    "Sensor log of the device turned slowly over all sides (.csv)")
       ->required();
+  add_columns_option(*command, arguments->columns);
   command->add_option("-o,--output", arguments->output, "The calibration (.json)")->required();
 }
 

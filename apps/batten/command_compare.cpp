@@ -12,6 +12,7 @@
 #include "batten/core/units.hpp"
 #include "batten/io/file.hpp"
 #include "batten/io/mesh_io.hpp"
+#include "batten/io/standard_streams.hpp"
 #include "batten/pipeline/shape_comparison.hpp"
 
 namespace batten::cli {
@@ -157,8 +158,8 @@ void add_compare(CLI::App& app) {
       ->add_option("--distances", arguments->distances,
                    "Write A, moved, with its distances per vertex (.ply)")
       ->check([](const std::string& path) {
-        return file_extension(path) == "ply" ? std::string()
-                                             : concat("--distances must name a .ply file: ", path);
+        return output_extension(path, "ply") == "ply" ? std::string()
+                                                      : concat("--distances must name a .ply file: ", path);
       });
 }
 

@@ -12,6 +12,7 @@
 #include "batten/io/mesh_io.hpp"
 #include "batten/io/network_io.hpp"
 #include "batten/io/scan_io.hpp"
+#include "batten/io/standard_streams.hpp"
 #include "batten/network/resample.hpp"
 #include "batten/strokes/snapping.hpp"
 
@@ -20,7 +21,7 @@ namespace batten::cli {
 namespace {
 
 struct ConvertArguments {
-  std::string in, out, resample, weld;
+  std::string in, out, resample, weld, columns;
   bool ascii = false, sketch = false;
 };
 
@@ -111,14 +112,14 @@ void convert_mesh(const TriangleMesh& mesh, const ConvertArguments& arguments, O
 void convert_scan(const ConvertArguments& arguments, Outcome& outcome) {
   require(arguments.resample.empty() && arguments.weld.empty() && !arguments.sketch,
           "--resample, --weld and --sketch are for networks; " + arguments.in + " is a scan");
-  const bool is_log = file_extension(arguments.in) == "csv";
-  if (file_extension(arguments.out) != "rawnet")
+  const bool is_log = input_extension(arguments.in) == "csv" || !arguments.columns.empty();
+  if (output_extension(arguments.out, "rawnet") != "rawnet")
     throw FileError(arguments.out, 0,
                     "a scan is written as .rawnet; to get a network from it use `batten network`");
   LogScan scan;
   {
     ScopedStage stage(outcome.times, "read");
-    scan = read_scan(arguments.in);
+    scan = read_scan(arguments.in, {}, arguments.columns);
   }
   for (const std::string& warning : scan.warnings) outcome.warnings.push_back(warning);
   if (is_log)
@@ -142,8 +143,8 @@ Outcome run_convert(const ConvertArguments& arguments, const Context& context) {
   Outcome outcome;
   outcome.figures["in"] = arguments.in;
   outcome.figures["out"] = arguments.out;
-  const std::string extension = file_extension(arguments.in);
-  if (extension == "rawnet" || extension == "csv") {
+  const std::string extension = input_extension(arguments.in);
+  if (extension == "rawnet" || extension == "csv" || !arguments.columns.empty()) {
     convert_scan(arguments, outcome);
     return outcome;
   }
@@ -177,6 +178,7 @@ void add_convert(CLI::App& app) {
                                   [arguments](Context& context) { return run_convert(*arguments, context); });
   command->add_option("IN", arguments->in, "Mesh, network or scan")->required();
   command->add_option("OUT", arguments->out, "File to write; its extension decides the format")->required();
+  add_columns_option(*command, arguments->columns);
   command
       ->add_option("--weld", arguments->weld,
                    "Networks: make curves meet that come this near to each other (2mm, 0.5%)")

@@ -14,6 +14,7 @@
 #include "batten/io/file.hpp"
 #include "batten/io/scan_io.hpp"
 #include "batten/io/sensor_log_io.hpp"
+#include "batten/io/standard_streams.hpp"
 #include "batten/mesh/adjacency.hpp"
 #include "batten/mesh/areas.hpp"
 #include "batten/mesh/quality.hpp"
@@ -321,21 +322,21 @@ void add_sensor(const SensorCalibration& sensor, const std::string& name, Outcom
 }
 
 bool is_calibration(const std::string& path) {
-  if (file_extension(path) != "json") return false;
+  if (input_extension(path) != "json") return false;
   const Json json = Json::parse(read_file(path), nullptr, false);
   return json.is_object() && json.contains("format") && json["format"] == "batten calibration";
 }
 
-Outcome run_info(const std::string& path, const Context& context) {
+Outcome run_info(const std::string& path, const std::string& columns, const Context& context) {
   Outcome outcome;
   outcome.figures["file"] = path;
-  const std::string extension = file_extension(path);
-  if (extension == "rawnet" || extension == "csv") {
+  const std::string extension = input_extension(path);
+  if (extension == "rawnet" || extension == "csv" || !columns.empty()) {
     outcome.figures["kind"] = "scan";
     LogScan scan;
     {
       ScopedStage stage(outcome.times, "read");
-      scan = read_scan(path);
+      scan = read_scan(path, {}, columns);
     }
     add_scan(scan, outcome);
     return outcome;
@@ -366,11 +367,13 @@ Outcome run_info(const std::string& path, const Context& context) {
 }  // namespace
 
 void add_info(CLI::App& app) {
-  auto path = std::make_shared<std::string>();
-  CLI::App* command = add_command(
-      app, "info", "Count, measure and diagnose a mesh, a network, a scan or a calibration.",
-      "batten info net.json --json", [path](Context& context) { return run_info(*path, context); });
+  auto path = std::make_shared<std::string>(), columns = std::make_shared<std::string>();
+  CLI::App* command =
+      add_command(app, "info", "Count, measure and diagnose a mesh, a network, a scan or a calibration.",
+                  "batten info net.json --json",
+                  [path, columns](Context& context) { return run_info(*path, *columns, context); });
   command->add_option("FILE", *path, "Mesh, network, scan or calibration")->required();
+  add_columns_option(*command, *columns);
 }
 
 }  // namespace batten::cli

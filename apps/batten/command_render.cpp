@@ -7,6 +7,7 @@
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
 #include "batten/io/file.hpp"
+#include "batten/io/standard_streams.hpp"
 #include "batten/mesh/compare.hpp"
 #include "batten/render/render.hpp"
 
@@ -121,8 +122,8 @@ void add_render(CLI::App& app) {
       ->required()
       ->check(CLI::Validator(
           [](std::string& path) {
-            return file_extension(path) == "png" ? std::string()
-                                                 : concat("the picture must be named *.png: ", path);
+            return output_extension(path, "png") == "png" ? std::string()
+                                                          : concat("the picture must be named *.png: ", path);
           },
           "PNG"));
   command

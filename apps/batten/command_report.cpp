@@ -11,6 +11,7 @@
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
 #include "batten/io/file.hpp"
+#include "batten/io/standard_streams.hpp"
 
 namespace batten::cli {
 
@@ -194,7 +195,7 @@ void add_report(CLI::App& app) {
       ->check(CLI::IsMember({"thesis-h", "sketch"}));
   command->add_option("-o,--output", arguments->output, "HTML page to write, with pictures")
       ->check([](const std::string& path) {
-        const std::string extension = file_extension(path);
+        const std::string extension = output_extension(path, "html");
         return extension == "html" || extension == "htm" ? std::string()
                                                          : concat("--output must name an .html file: ", path);
       });

@@ -14,6 +14,7 @@
 #include "batten/io/network_io.hpp"
 #include "batten/io/scan_io.hpp"
 #include "batten/io/sensor_log_io.hpp"
+#include "batten/io/standard_streams.hpp"
 #include "batten/simulation/mesh_sections.hpp"
 #include "batten/simulation/shapes.hpp"
 #include "batten/simulation/simulate.hpp"
@@ -112,7 +113,7 @@ SimulatedObject load_object(const SimulateArguments& arguments, Outcome& outcome
 }
 
 void check_outputs(const SimulateArguments& arguments, Outcome& outcome) {
-  const std::string extension = file_extension(arguments.output);
+  const std::string extension = output_extension(arguments.output, arguments.raw ? "csv" : "rawnet");
   if (!arguments.raw && extension != "rawnet")
     throw CLI::ValidationError(concat("--output: a scan is written as .rawnet, got ", arguments.output));
   if (arguments.raw && extension != "csv")

@@ -9,6 +9,7 @@
 #include "batten/core/units.hpp"
 #include "batten/io/file.hpp"
 #include "batten/io/mesh_io.hpp"
+#include "batten/io/standard_streams.hpp"
 #include "batten/session/journal.hpp"
 #include "batten/session/project.hpp"
 #include "batten/subdivision/bspline_surface.hpp"
@@ -195,7 +196,7 @@ void make_surface(const SketchArguments& arguments, const PolylineMesh& model, c
 
 /// A project with its history, or a session played.
 Document read_document(const SketchArguments& arguments, Context& context, Outcome& outcome) {
-  if (file_extension(arguments.session) == "batten") {
+  if (input_extension(arguments.session) == "batten") {
     const ScopedStage stage(outcome.times, "read");
     ProjectFile file = read_project(arguments.session);
     outcome.warnings = std::move(file.warnings);

@@ -12,6 +12,7 @@
 #include "batten/io/cage_io.hpp"
 #include "batten/io/file.hpp"
 #include "batten/io/mesh_io.hpp"
+#include "batten/io/standard_streams.hpp"
 #include "batten/pipeline/subdivided_cage.hpp"
 
 namespace batten::cli {
@@ -51,7 +52,7 @@ void check_arguments(const SubdivideArguments& arguments) {
     throw CLI::ValidationError("subdivide", "needs an output: -o for a mesh, --step for CAD, or both");
   if (!arguments.output.empty()) mesh_format(arguments.output);
   if (!arguments.step.empty()) {
-    const std::string extension = file_extension(arguments.step);
+    const std::string extension = output_extension(arguments.step, "step");
     if (extension != "step" && extension != "stp")
       throw UnknownExtension(arguments.step, "is no STEP file by its extension; use .step or .stp");
     if (parse_schemes(arguments.scheme).back() != SubdivisionScheme::CatmullClark)

@@ -8,6 +8,7 @@
 #include "batten/io/file.hpp"
 #include "batten/io/mesh_io.hpp"
 #include "batten/io/network_io.hpp"
+#include "batten/io/standard_streams.hpp"
 #include "batten/pipeline/mesh_input.hpp"
 #include "batten/pipeline/shape_comparison.hpp"
 
@@ -30,7 +31,7 @@ bool has_faces(std::string_view text) {
 }  // namespace
 
 Model read_model(const std::string& path, std::vector<std::string>& warnings) {
-  const std::string extension = file_extension(path);
+  const std::string extension = input_extension(path);
   if (extension == "rawnet" || extension == "csv")
     throw FileError(path, 0,
                     "this is a scan, without positions; make a network of it first with `batten network`");

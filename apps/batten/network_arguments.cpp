@@ -61,7 +61,7 @@ Scan read_network_scan(const NetworkArguments& arguments, Outcome& outcome) {
   const ScopedStage stage(outcome.times, "read");
   LogScanOptions options;
   if (!arguments.calibration.empty()) options.calibration = read_calibration(arguments.calibration);
-  LogScan read = read_scan(arguments.input, options);
+  LogScan read = read_scan(arguments.input, options, arguments.columns);
   for (const std::string& warning : read.warnings) outcome.warnings.push_back(warning);
   return std::move(read.scan);
 }
@@ -142,6 +142,7 @@ void add_network_options(CLI::App& command, NetworkArguments& arguments) {
       ->required();
   command.add_option("--calibration", arguments.calibration,
                      "Calibration of the device that wrote a .csv log (batten calibrate)");
+  add_columns_option(command, arguments.columns);
   command
       .add_option(
           "--step", arguments.step,

@@ -10,7 +10,7 @@ namespace batten::cli {
 
 /// The way from a scan to a network, as `network` and `reconstruct` share it.
 struct NetworkArguments {
-  std::string input, output, calibration;
+  std::string input, output, calibration, columns;
   std::string step = "1.6%", weights = "auto", energy = "scaled", robust = "on", scheme = "midpoint",
               lengths = "measured";
   double xi = 10000;

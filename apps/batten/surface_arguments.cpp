@@ -34,6 +34,7 @@ NetworkSurfaceOptions surface_options(const SurfaceArguments& arguments) {
   options.surface.soft_constraints = arguments.constraints == "soft";
   options.surface.soft_weight = arguments.soft_weight;
   options.surface.base_order = arguments.base_order;
+  options.surface.max_triangles = arguments.max_triangles;
   if (arguments.edge_length != "auto") options.edge_length = parse_length(arguments.edge_length);
   options.flatten_crossings = arguments.crossings == "flatten";
   return options;
@@ -118,6 +119,10 @@ void add_surface_options(CLI::App& command, SurfaceArguments& arguments) {
         if (text != "auto" && parse_length(text).value <= 0)
           throw InvalidInput("--edge-length must be positive: " + text);
       }));
+  command
+      .add_option("--max-triangles", arguments.max_triangles,
+                  "Refuse surfaces that would have more triangles than this")
+      ->check(CLI::PositiveNumber);
 }
 
 }  // namespace batten::cli

@@ -13,7 +13,7 @@ struct SurfaceArguments {
   std::string output, rebuilds = "auto", method = "curvature", constraints = "hard", map = "plane";
   std::string edge_length = "auto";
   std::string crossings = "flatten";  ///< or keep; of stroke sets alone
-  double soft_weight = 1;
+  double soft_weight = 1, max_triangles = 20e6;
   int base_order = 2;
 };
 

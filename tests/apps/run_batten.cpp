@@ -28,7 +28,7 @@ std::string write_file(const std::string& name, const std::string& content) {
 
 Run run_batten(const std::string& arguments) {
   const std::string command =
-      "cd '" + scratch() + "' && '" BATTEN_PROGRAM "' " + arguments + " >.stdout 2>.stderr </dev/null";
+      "cd '" + scratch() + "' && </dev/null >.stdout 2>.stderr '" BATTEN_PROGRAM "' " + arguments;
   const int status = std::system(command.c_str());
   Run run;
   run.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);

@@ -12,7 +12,7 @@ struct Run {
 };
 
 /// Runs the program under test with a line of arguments, as a shell would split them, in the folder
-/// `scratch()`.
+/// `scratch()`. Standard input is empty where the line does not redirect it.
 Run run_batten(const std::string& arguments);
 /// Writes a file into scratch() and returns its path.
 std::string write_file(const std::string& name, const std::string& content);

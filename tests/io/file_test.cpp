@@ -7,6 +7,8 @@
 #include <sstream>
 
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 #include <zlib.h>
 
 namespace batten {
@@ -118,6 +120,27 @@ TEST(ReadFile, UnpacksGzipAndSaysWhereItIsDamaged) {
 }
 
 // Until commit() nobody sees anything, and without it nothing is left behind.
+// 80 MB of zeros are 80 kB: nobody's mesh. What is not compressed may be as long as it likes.
+TEST(ReadFile, StopsWhatUnpacksToFarMoreThanItsSize) {
+  const std::string path = test::scratch_file("bomb.obj.gz");
+  gzFile file = gzopen(path.c_str(), "wb9");
+  const std::string block(size_t{1} << 20, '0');
+  for (int i = 0; i < 80; ++i) gzwrite(file, block.data(), static_cast<unsigned>(block.size()));
+  gzclose(file);
+  try {
+    read_file(path);
+    FAIL();
+  } catch (const FileError& error) {
+    EXPECT_NE(std::string(error.what()).find("100 times"), std::string::npos) << error.what();
+  }
+  const std::string plain = test::scratch_file("plain.obj");
+  {
+    std::ofstream out(plain);
+    for (int i = 0; i < 80; ++i) out << block;
+  }
+  EXPECT_EQ(read_file(plain).size(), 80 * block.size());
+}
+
 TEST(OutputFile, AppearsWholeOrNotAtAll) {
   const std::string folder = scratch_file("out");
   std::filesystem::create_directories(folder);
@@ -145,6 +168,23 @@ TEST(OutputFile, AppearsWholeOrNotAtAll) {
 }
 
 // A link is followed: the file behind it is replaced, and the link stays one.
+// A name of a process that is gone, of one that runs, and of no process at all.
+TEST(OutputFile, RemovesWhatAKilledProcessHasLeft) {
+  const std::string path = test::scratch_file("model.ply");
+  const pid_t child = fork();
+  if (child == 0) _exit(0);
+  ASSERT_EQ(waitpid(child, nullptr, 0), child);
+  const std::string gone = path + ".part-" + std::to_string(child) + "-0123abcd",
+                    running = path + ".part-" + std::to_string(getpid()) + "-0123abcd",
+                    other = path + ".part-x",
+                    beside = test::scratch_file("other.ply.part-") + std::to_string(child) + "-0123abcd";
+  for (const std::string& name : {gone, running, other, beside}) std::ofstream(name) << "half";
+  write_file(path, "whole");
+  EXPECT_FALSE(std::filesystem::exists(gone));
+  for (const std::string& name : {path, running, other, beside})
+    EXPECT_TRUE(std::filesystem::exists(name)) << name;
+}
+
 TEST(OutputFile, FollowsLinks) {
   const std::string target = scratch_file("target.txt"), link = scratch_file("link.txt");
   write_file(target, "old");

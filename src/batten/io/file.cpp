@@ -1,16 +1,23 @@
 #include "batten/io/file.hpp"
 
+#include <algorithm>
 #include <cerrno>
+#include <cstdint>
 #include <cstdio>
 #include <cstring>
 #include <random>
 #include <utility>
 
 #include "batten/core/text.hpp"
+#include "batten/io/standard_streams.hpp"
 
 #ifndef __EMSCRIPTEN__
+#include <csignal>
 #include <filesystem>
 
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
 #include <zlib.h>
 #endif
 
@@ -21,6 +28,9 @@ namespace {
 constexpr size_t kBlock = size_t{1} << 20;
 // Longer lines are no text that anybody writes: a node list of a million nodes has 7 MB.
 constexpr size_t kLongestLine = size_t{1} << 26;
+
+/// What stands between the name of a file and the rest of the name under which it is written.
+constexpr const char* kPart = ".part-";
 
 std::string reason(int error) {
   return error == 0 ? std::string("unknown reason") : std::string(std::strerror(error));
@@ -53,6 +63,7 @@ class FileSource : public ByteSource {
 
   size_t read(char* bytes, size_t size) override {
     const int count = gzread(file_, bytes, static_cast<unsigned>(size));
+    refuse_bomb(count);
     int status = Z_OK;
     const char* message = gzerror(file_, &status);
     if (count >= 0 && (status == Z_OK || status == Z_STREAM_END)) return static_cast<size_t>(count);
@@ -62,8 +73,21 @@ class FileSource : public ByteSource {
   }
 
  private:
+  /// Stops files that unpack to far more than anybody would write, before they fill the memory.
+  void refuse_bomb(int count) {
+    constexpr std::int64_t kHarmless = std::int64_t{1} << 26, kMost = std::int64_t{1} << 32, kRatio = 100;
+    unpacked_ += std::max(count, 0);
+    if (unpacked_ <= kHarmless || gzdirect(file_) != 0) return;
+    if (unpacked_ > kMost || unpacked_ > kRatio * std::int64_t{gzoffset(file_)})
+      throw FileError(
+          path_, 0,
+          concat("unpacks to more than ", unpacked_ > kMost ? "4 GB" : "100 times its size",
+                 ", which a damaged or hostile file may do; unpack it with gunzip if it is meant"));
+  }
+
   std::string path_;
   gzFile file_ = nullptr;
+  std::int64_t unpacked_ = 0;
 };
 #else
 /// The browser hands over files already unpacked.
@@ -88,15 +112,42 @@ class FileSource : public ByteSource {
 };
 #endif
 
-/// A name beside `path` that nobody else uses.
+/// A name beside `path` that nobody else uses. The number of the process tells whether it is still needed.
 std::string temporary_name(const std::string& path) {
   static thread_local std::random_device device;
   static const char* const kDigits = "0123456789abcdef";
-  std::string name = path + ".part-";
+  std::string name = path + kPart;
+#ifndef __EMSCRIPTEN__
+  name += std::to_string(getpid()) + "-";
+#endif
   unsigned bits = device();
   for (int i = 0; i < 8; ++i, bits >>= 4) name += kDigits[bits & 15];
   return name;
 }
+
+#ifndef __EMSCRIPTEN__
+/// Removes what killed processes have left beside a file: names of temporary_name() whose process is gone,
+/// and which nobody holds locked (a process of another machine or container may have that number here).
+void remove_abandoned(const std::string& place) {
+  const std::filesystem::path path(place);
+  const std::string begin = path.filename().string() + kPart;
+  std::error_code error;
+  for (std::filesystem::directory_iterator entry(path.has_parent_path() ? path.parent_path() : ".", error),
+       end;
+       !error && entry != end; entry.increment(error)) {
+    const std::string name = entry->path().filename().string();
+    if (name.compare(0, begin.size(), begin) != 0) continue;
+    long process = 0;
+    const std::string_view rest = std::string_view(name).substr(begin.size());
+    if (!parse_integer(rest.substr(0, rest.find('-')), process) || process <= 0) continue;
+    if (kill(static_cast<pid_t>(process), 0) == 0 || errno != ESRCH) continue;
+    const int file = open(entry->path().c_str(), O_RDONLY | O_CLOEXEC);
+    if (file < 0) continue;
+    if (flock(file, LOCK_EX | LOCK_NB) == 0) unlink(entry->path().c_str());
+    close(file);
+  }
+}
+#endif
 
 /// Where to put the bytes so that links are followed and devices are not replaced by files.
 /// @param direct set when the place is no regular file and must be written as it is.
@@ -125,11 +176,14 @@ std::string file_extension(std::string_view path) {
       return std::string();
     return lower_case(name.substr(dot + 1));
   };
+  if (is_standard_stream(path))
+    return lower_case(path.substr(0, path.size() - std::min<size_t>(path.size(), 2)));
   const std::string extension = last_extension(path);
   return extension == "gz" ? last_extension(path.substr(0, path.size() - 3)) : extension;
 }
 
 std::string read_file(const std::string& path) {
+  if (is_standard_stream(path)) return standard_input();
   FileSource source(path);
   std::string content;
   while (true) {
@@ -177,8 +231,13 @@ struct LineReader::Implementation {
 
 LineReader::LineReader(const std::string& path) : implementation_(std::make_unique<Implementation>()) {
   implementation_->path = path;
-  implementation_->source = std::make_unique<FileSource>(path);
-  implementation_->refill();
+  if (is_standard_stream(path)) {
+    implementation_->buffer = standard_input();
+    implementation_->check_text(0);
+  } else {
+    implementation_->source = std::make_unique<FileSource>(path);
+    implementation_->refill();
+  }
   implementation_->skip_byte_order_mark();
 }
 
@@ -230,6 +289,7 @@ struct OutputFile::Implementation {
   std::string place;      // what is replaced
   std::string temporary;  // what is written; equal to `place` when written directly
   std::FILE* file = nullptr;
+  std::string held;  // for a standard stream, until it is whole
 
   void discard() {
     if (file != nullptr) std::fclose(file);
@@ -247,12 +307,19 @@ OutputFile::OutputFile(const std::string& path) : implementation_(std::make_uniq
   Implementation& out = *implementation_;
   bool direct = false;
   out.path = path;
+  if (is_standard_stream(path)) return;
   out.place = place_of(path, direct);
   out.temporary = direct ? out.place : temporary_name(out.place);
   errno = 0;
   out.file = std::fopen(out.temporary.c_str(), direct ? "wb" : "wbx");
   if (out.file == nullptr)
     throw FileError(path, 0, concat("cannot be written: ", reason(errno), "; does its folder exist?"));
+#ifndef __EMSCRIPTEN__
+  if (!direct) {
+    flock(fileno(out.file), LOCK_EX | LOCK_NB);  // held until it is closed
+    remove_abandoned(out.place);
+  }
+#endif
 }
 
 OutputFile::~OutputFile() {
@@ -260,6 +327,10 @@ OutputFile::~OutputFile() {
 }
 
 void OutputFile::write(std::string_view bytes) {
+  if (is_standard_stream(implementation_->path)) {
+    implementation_->held += bytes;
+    return;
+  }
   errno = 0;
   if (std::fwrite(bytes.data(), 1, bytes.size(), implementation_->file) != bytes.size())
     implementation_->fail(errno);
@@ -267,6 +338,10 @@ void OutputFile::write(std::string_view bytes) {
 
 void OutputFile::commit() {
   Implementation& out = *implementation_;
+  if (is_standard_stream(out.path)) {
+    write_standard_output(out.held);
+    return;
+  }
   errno = 0;
   const bool written = std::fflush(out.file) == 0;
   const bool closed = std::fclose(out.file) == 0;

@@ -8,7 +8,8 @@
 namespace batten {
 
 /// The extension of a path in lower case without its dot: "ply" for "A/b.PLY". A final ".gz" is looked
-/// through: "off" for "bunny.off.gz". Empty where there is none.
+/// through: "off" for "bunny.off.gz"; of a standard stream the format named before it: "ply" for "ply:-".
+/// Empty where there is none.
 std::string file_extension(std::string_view path);
 
 /// The extension of a path names no format that could be meant: a slip in the command, not in a file.
@@ -17,7 +18,8 @@ class UnknownExtension : public FileError {
   UnknownExtension(std::string_view path, std::string_view problem) : FileError(path, 0, problem) {}
 };
 
-/// The whole content of a file. A file compressed with gzip is unpacked, whatever its name.
+/// The whole content of a file, or of a standard stream (standard_streams.hpp). A file compressed with gzip
+/// is unpacked, whatever its name.
 /// @throws FileError when it is missing, a directory, unreadable or its compression is damaged.
 std::string read_file(const std::string& path);
 
@@ -47,7 +49,8 @@ class LineReader {
 };
 
 /// Writes a file under a temporary name beside its place and renames it in commit(), so that nobody ever
-/// sees half a file. What exists but is no regular file (a pipe, /dev/stdout) is written directly.
+/// sees half a file. What exists but is no regular file (a pipe, /dev/stdout) is written directly, a standard
+/// stream as a whole in commit(). What a killed process has left beside the file is removed.
 class OutputFile {
  public:
   /// @throws FileError when the folder is missing or not writable.

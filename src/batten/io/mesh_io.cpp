@@ -12,6 +12,7 @@
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
 #include "batten/io/mesh_formats_detail.hpp"
+#include "batten/io/standard_streams.hpp"
 
 namespace batten {
 
@@ -185,8 +186,7 @@ bool sniffed_format(std::string_view content, MeshFormat& format) {
   return false;
 }
 
-bool format_of_extension(std::string_view path, MeshFormat& format) {
-  const std::string extension = file_extension(path);
+bool format_of_extension(const std::string& extension, MeshFormat& format) {
   if (extension == "ply")
     format = MeshFormat::Ply;
   else if (extension == "obj")
@@ -384,7 +384,7 @@ void refuse_compressed(const std::string& path) {
 
 MeshFormat mesh_format(std::string_view path) {
   MeshFormat format = MeshFormat::Ply;
-  if (!format_of_extension(path, format))
+  if (!format_of_extension(output_extension(path, "ply"), format))
     throw UnknownExtension(path, "is no mesh file by its extension; use .ply, .obj, .off or .stl");
   return format;
 }
@@ -395,7 +395,8 @@ RawMesh parse_raw_mesh(std::string content, const std::string& path, std::vector
   if (content.empty()) throw FileError(path, 0, "is empty, expected a mesh");
   MeshFormat by_content = MeshFormat::Ply, format = MeshFormat::Ply;
   const bool shown = sniffed_format(content, by_content);
-  const bool named = format_of_extension(path, format);
+  const bool named =
+      format_of_extension(path == "-" ? extension_of_content(content) : file_extension(path), format);
   if (!shown && !named)
     throw FileError(path, 0, "is not recognised as a mesh; use a .ply, .obj, .off or .stl file");
   if (shown && (!named || by_content != format)) {

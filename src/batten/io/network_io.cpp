@@ -10,6 +10,7 @@
 #include "batten/io/mesh_formats_detail.hpp"
 #include "batten/io/network_formats_detail.hpp"
 #include "batten/io/obj_detail.hpp"
+#include "batten/io/standard_streams.hpp"
 
 namespace batten {
 
@@ -263,8 +264,7 @@ std::string obj_network_text(const CurveNetwork& network) {
 
 namespace {
 
-bool format_of_extension(std::string_view path, NetworkFormat& format) {
-  const std::string extension = file_extension(path);
+bool format_of_extension(const std::string& extension, NetworkFormat& format) {
   if (extension == "net")
     format = NetworkFormat::Net;
   else if (extension == "obj")
@@ -359,7 +359,7 @@ void refuse_compressed(const std::string& path) {
 
 NetworkFormat network_format(std::string_view path) {
   NetworkFormat format = NetworkFormat::Net;
-  if (!format_of_extension(path, format) || format == NetworkFormat::CurveText ||
+  if (!format_of_extension(output_extension(path, "json"), format) || format == NetworkFormat::CurveText ||
       format == NetworkFormat::BSplines)
     throw UnknownExtension(path, "is no network file by its extension; use .net, .obj or .json");
   return format;
@@ -369,8 +369,9 @@ CurveNetwork parse_network(std::string content, const std::string& path, std::ve
   if (content.empty()) throw FileError(path, 0, "is empty, expected a curve network");
   NetworkFormat by_content = NetworkFormat::Net, format = NetworkFormat::Net;
   const bool shown = sniffed_format(content, by_content);
-  const bool named = format_of_extension(path, format);
-  if (file_extension(path) == "xyz")
+  const std::string extension = path == "-" ? extension_of_content(content) : file_extension(path);
+  const bool named = format_of_extension(extension, format);
+  if (extension == "xyz")
     throw FileError(path, 0,
                     "holds points without order, from which no curves can be read; order them into a .txt "
                     "file with a line 'CURVE k' before each curve");

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <cstdint>
 #include <deque>
@@ -377,7 +378,7 @@ void write_rawnet(const Scan& scan, const std::string& path) {
   out.commit();
 }
 
-LogScan read_scan(const std::string& path, const LogScanOptions& options) {
+LogScan read_scan(const std::string& path, const LogScanOptions& options, const std::string& columns) {
   // Told by the first line that is neither blank nor comment: a log begins with the names of its columns.
   bool is_log = false;
   {
@@ -385,12 +386,22 @@ LogScan read_scan(const std::string& path, const LogScanOptions& options) {
     std::string_view line;
     bool found = in.next(line);
     while (found && without_comment(line).empty()) found = in.next(line);
-    is_log = found && line.find("time_s") != std::string_view::npos;
+    // Scans begin with a number; `nan` and `1e5` do not hide a name.
+    is_log = found &&
+             std::any_of(line.begin(), line.end(),
+                         [](char c) {
+                           return std::isalpha(static_cast<unsigned char>(c)) != 0 && c != 'e' && c != 'E';
+                         }) &&
+             line.find_first_of(",;\t") != std::string_view::npos;
+    is_log = is_log || !columns.empty();
   }
   if (is_log) {
-    const SensorLog log = read_sensor_log(path);
+    std::vector<std::string> notes;
+    const SensorLog log = read_sensor_log(path, columns, &notes);
     try {
-      return scan_from_log(log, options);
+      LogScan scan = scan_from_log(log, options);
+      scan.warnings.insert(scan.warnings.begin(), notes.begin(), notes.end());
+      return scan;
     } catch (const InvalidInput& error) {
       throw FileError(path, 0, error.what());
     }

@@ -28,8 +28,9 @@ void write_rawnet(const Scan& scan, const std::string& path);
 
 /// Reads a scan from either kind of file: rawnet, or a sensor log (*.csv, or any text file that begins with
 /// the names of its columns), whose readings become orientations by scan_from_log().
-/// @param options used for sensor logs alone.
-/// @throws FileError with file, line where there is one, and the remedy.
-LogScan read_scan(const std::string& path, const LogScanOptions& options = {});
+/// @param options used for sensor logs alone. @param columns of logs of other programs, as read_sensor_log().
+/// @throws FileError with file, line where there is one, and the remedy; InvalidInput as parse_log_columns().
+LogScan read_scan(const std::string& path, const LogScanOptions& options = {},
+                  const std::string& columns = {});
 
 }  // namespace batten

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -12,6 +13,7 @@
 
 #include "batten/core/text.hpp"
 #include "batten/io/file.hpp"
+#include "batten/io/log_columns.hpp"
 #include "batten/io/scan_text_detail.hpp"
 
 namespace batten {
@@ -64,7 +66,9 @@ std::string axis_text(const Eigen::Vector3d& axis) {
 
 class LogParser {
  public:
-  explicit LogParser(LineReader& in) : in_(in) {}
+  /// @param columns what fields hold what: nothing for the names of SensorLog, "auto", or a description.
+  LogParser(LineReader& in, std::string columns, std::vector<std::string>* notes)
+      : in_(in), description_(std::move(columns)), notes_(notes) {}
 
   SensorLog parse() {
     std::string_view line;
@@ -85,6 +89,16 @@ class LogParser {
     if (n_rows_ == 0) throw FileError(in_.path(), 0, "the log has no readings; record some");
     log_.resize(n_rows_);
     detail::check_node_numbers(nodes_);
+    if (description_ == "auto") {
+      settle_units(*chosen_, log_);
+      note(concat("the columns were read as ", format_log_columns(*chosen_),
+                  "; where that is wrong, give --columns as it should be"));
+    }
+    if (whole_is_one_curve_) note("the log names no curves: all of it was taken for one");
+    if (notes_ != nullptr) {
+      const std::vector<std::string> oddities = log_oddities(log_);
+      notes_->insert(notes_->end(), oddities.begin(), oddities.end());
+    }
     return std::move(log_);
   }
 
@@ -141,17 +155,87 @@ class LogParser {
       flags_of_curve_[flags.number] = flags;
   }
 
+  void note(std::string sentence) const {
+    if (notes_ != nullptr) notes_->push_back(std::move(sentence));
+  }
+
   void parse_header(std::string_view line) {
-    for (const std::string_view field : split_fields(line, ',')) {
-      const auto name = std::find(kColumnNames.begin(), kColumnNames.end(), without_quotes(field));
-      const int column = name == kColumnNames.end() ? -1 : static_cast<int>(name - kColumnNames.begin());
-      if (column >= 0 && std::count(columns_.begin(), columns_.end(), column) > 0)
-        in_.fail(concat("the column ", kColumnNames[static_cast<size_t>(column)], " is named twice"));
-      columns_.push_back(column);
-    }
-    if (std::count(columns_.begin(), columns_.end(), static_cast<int>(kTime)) == 0)
-      in_.fail(concat("expected the names of the columns, time_s among them, found ", quoted(line)));
+    for (const char candidate : {';', '\t'})
+      if (std::count(line.begin(), line.end(), candidate) > std::count(line.begin(), line.end(), separator_))
+        separator_ = candidate;
+    std::vector<std::string> names;
+    for (const std::string_view field : split_fields(line, separator_))
+      names.emplace_back(trim(without_quotes(trim(field))));
+    columns_.assign(names.size(), -1);
+    factors_.fill(1);
+    if (description_.empty())
+      take_own_columns(names);
+    else
+      take_described_columns(names);
     has_header_ = true;
+  }
+
+  void take_own_columns(const std::vector<std::string>& names) {
+    for (std::size_t k = 0; k < names.size(); ++k) {
+      const auto* name = std::find(kColumnNames.begin(), kColumnNames.end(), names[k]);
+      if (name == kColumnNames.end()) continue;
+      const int column = static_cast<int>(name - kColumnNames.begin());
+      if (std::count(columns_.begin(), columns_.end(), column) > 0)
+        in_.fail(concat("the column ", *name, " is named twice"));
+      columns_[k] = column;
+    }
+    if (std::count(columns_.begin(), columns_.end(), static_cast<int>(kTime)) > 0) return;
+    std::string list, expected;
+    for (const std::string& name : names) list += concat(list.empty() ? "" : ", ", name);
+    for (const char* name : kColumnNames) expected += concat(expected.empty() ? "" : ", ", name);
+    const LogColumns guess = guess_log_columns(names);
+    const bool guessed = guess[LogQuantity::Time] && guess[LogQuantity::Accelerometer];
+    in_.fail(
+        concat("expected the names of the columns, time_s among them (of ", expected, "), found ", list, "; ",
+               guessed ? concat("try --columns auto, which reads ", format_log_columns(guess))
+                       : std::string("say what they hold with --columns time=NAME:UNIT,acc=X:Y:Z:UNIT,…")));
+  }
+
+  void take_described_columns(const std::vector<std::string>& names) {
+    chosen_ = description_ == "auto" ? guess_log_columns(names) : parse_log_columns(description_);
+    if (description_ == "auto" &&
+        (!(*chosen_)[LogQuantity::Time] || !(*chosen_)[LogQuantity::Accelerometer])) {
+      std::string list;
+      for (const std::string& name : names) list += concat(list.empty() ? "" : ", ", name);
+      in_.fail(concat("no time and acceleration were recognised among the columns ", list,
+                      "; name them with --columns time=NAME:UNIT,acc=X:Y:Z:UNIT,…"));
+    }
+    const auto take = [&](LogQuantity quantity, int first) {
+      const auto& fields = (*chosen_)[quantity];
+      if (!fields) return;
+      for (std::size_t i = 0; i < fields->names.size(); ++i) {
+        const auto place = std::find(names.begin(), names.end(), fields->names[i]);
+        if (place == names.end()) {
+          std::string list;
+          for (const std::string& name : names) list += concat(list.empty() ? "" : ", ", name);
+          in_.fail(concat("there is no column ", quoted(fields->names[i]), "; the columns are ", list));
+        }
+        columns_[static_cast<std::size_t>(place - names.begin())] = first + static_cast<int>(i);
+        factors_[static_cast<std::size_t>(first) + i] = fields->factor;
+      }
+    };
+    take(LogQuantity::Time, kTime);
+    take(LogQuantity::Curve, kCurve);
+    take(LogQuantity::Node, kNode);
+    take(LogQuantity::Distance, kDistance);
+    take(LogQuantity::Accelerometer, kAccelerometer);
+    take(LogQuantity::Magnetometer, kMagnetometer);
+    take(LogQuantity::Gyroscope, kGyroscope);
+    whole_is_one_curve_ = !(*chosen_)[LogQuantity::Curve];
+  }
+
+  /// A cell as a number; where columns are not separated by commas, a comma may stand for the point.
+  bool parse_cell(std::string_view cell, double& value) const {
+    if (parse_number(cell, value)) return !std::isinf(value);
+    if (separator_ == ',' || cell.find(',') == std::string_view::npos) return false;
+    std::string pointed(cell);
+    std::replace(pointed.begin(), pointed.end(), ',', '.');
+    return parse_number(pointed, value) && !std::isinf(value);
   }
 
   void parse_row(std::string_view line) {
@@ -159,18 +243,19 @@ class LogParser {
     values.fill(kMissing);
     std::string_view rest = line;
     for (size_t k = 0; k < columns_.size(); ++k) {
-      const size_t comma = rest.find(',');
-      if ((comma == std::string_view::npos) != (k + 1 == columns_.size()))
+      const size_t end = rest.find(separator_);
+      if ((end == std::string_view::npos) != (k + 1 == columns_.size()))
         in_.fail(concat("expected ", columns_.size(), " cells as the first line names, found ",
-                        1 + std::count(line.begin(), line.end(), ',')));
-      const std::string_view cell = without_quotes(trim(rest.substr(0, comma)));
-      if (comma != std::string_view::npos) rest.remove_prefix(comma + 1);
+                        1 + std::count(line.begin(), line.end(), separator_)));
+      const std::string_view cell = without_quotes(trim(rest.substr(0, end)));
+      if (end != std::string_view::npos) rest.remove_prefix(end + 1);
       if (columns_[k] < 0 || cell.empty()) continue;
-      double& value = values[static_cast<size_t>(columns_[k])];
-      if (!parse_number(cell, value) || std::isinf(value))
-        in_.fail(concat("expected a number for ", kColumnNames[static_cast<size_t>(columns_[k])], ", found ",
-                        quoted(cell)));
+      const auto column = static_cast<size_t>(columns_[k]);
+      if (!parse_cell(cell, values[column]))
+        in_.fail(concat("expected a number for ", kColumnNames[column], ", found ", quoted(cell)));
+      values[column] *= factors_[column];
     }
+    if (whole_is_one_curve_) values[kCurve] = 1;
     append(values);
   }
 
@@ -236,6 +321,12 @@ class LogParser {
   }
 
   LineReader& in_;
+  std::string description_;
+  std::vector<std::string>* notes_;
+  char separator_ = ',';
+  std::optional<LogColumns> chosen_;  // where they are not our own
+  std::array<double, kColumns> factors_{};
+  bool whole_is_one_curve_ = false;
   SensorLog log_;
   Eigen::Index n_rows_ = 0;
   bool has_header_ = false;
@@ -254,14 +345,16 @@ std::string cell(double value) {
 
 }  // namespace
 
-SensorLog read_sensor_log(const std::string& path) {
+SensorLog read_sensor_log(const std::string& path, const std::string& columns,
+                          std::vector<std::string>* notes) {
   LineReader in(path);
-  return LogParser(in).parse();
+  return LogParser(in, columns, notes).parse();
 }
 
-SensorLog parse_sensor_log(std::string text, const std::string& name) {
+SensorLog parse_sensor_log(std::string text, const std::string& name, const std::string& columns,
+                           std::vector<std::string>* notes) {
   LineReader in(std::move(text), name);
-  return LogParser(in).parse();
+  return LogParser(in, columns, notes).parse();
 }
 
 void write_sensor_log(const SensorLog& log, const std::string& path) {

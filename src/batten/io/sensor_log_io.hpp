@@ -1,5 +1,6 @@
 #pragma once
 #include <string>
+#include <vector>
 
 #include "batten/scan/calibration.hpp"
 #include "batten/scan/sensor_log.hpp"
@@ -10,11 +11,17 @@ namespace batten {
 /// logs"). Columns may stand in any order and be missing; unknown ones are ignored; empty cells and `nan` are
 /// missing values. `# axes: forward=+x normal=+z` and `# curve 1: boundary closed name=rim` are understood,
 /// other comments skipped.
+/// Logs of other programs have columns, separators (`,` `;` tab) and units of their own: `columns` describes
+/// them (parse_log_columns()), or is "auto" (guess_log_columns()); without curves all of such a log is one.
+/// @param notes takes how columns were guessed, and what is odd about the numbers (log_oddities()).
 /// @throws FileError with file and line: cells that are no numbers, rows of the wrong length, decreasing
-/// times or distances within a curve, a curve that is taken up again, node numbers with gaps, no rows.
-SensorLog read_sensor_log(const std::string& path);
+/// times or distances within a curve, a curve that is taken up again, node numbers with gaps, no rows,
+/// columns that are not there; InvalidInput as parse_log_columns().
+SensorLog read_sensor_log(const std::string& path, const std::string& columns = {},
+                          std::vector<std::string>* notes = nullptr);
 /// The same from memory; `name` stands for the path in errors.
-SensorLog parse_sensor_log(std::string text, const std::string& name);
+SensorLog parse_sensor_log(std::string text, const std::string& name, const std::string& columns = {},
+                           std::vector<std::string>* notes = nullptr);
 
 /// Writes a log that read_sensor_log() reads back as exactly the same. @throws FileError.
 void write_sensor_log(const SensorLog& log, const std::string& path);

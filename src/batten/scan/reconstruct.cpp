@@ -30,6 +30,17 @@ double mean_step(const SampledScan& scan) {
   return scan.length() / static_cast<double>(std::max(n, 1L));
 }
 
+/// @throws InvalidInput where a step would give more samples than anybody has memory for.
+void require_possible_step(const Scan& scan, double step) {
+  constexpr double kMostSamples = 1e8;
+  double length = 0;
+  for (const ScanCurve& curve : scan.curves)
+    if (curve.n_readings() > 0) length += curve.distances[curve.n_readings() - 1] - curve.distances[0];
+  if (length / step > kMostSamples)
+    throw InvalidInput(concat("a step of ", step, " gives about ", length / step, " samples, more than ",
+                              kMostSamples, "; use a longer one"));
+}
+
 /// The share of the samples of each curve that the robust loss holds for wrong. @param trust per curve.
 std::vector<double> distrusted_shares(const std::vector<Eigen::VectorXd>& trust) {
   std::vector<double> shares;
@@ -377,6 +388,7 @@ ScanNetwork ReconstructionSolver::reconstruct(const ScanOptions& options, bool m
   PrefilterOptions prefilter;
   prefilter.sigma = options.sigma;
   if (options.step) prefilter.step = options.step->in_file_units(report.size);
+  if (options.step) require_possible_step(scan, prefilter.step);
   if (options.step && prefilter.step > 0.5 * report.size)
     throw InvalidInput(concat("the step ", prefilter.step, " is more than half the size of the scan, ",
                               report.size, "; take a smaller one"));

@@ -30,7 +30,8 @@ void visit_fields(StrokeNetworkOptions& options, Visitor& visit) {
 
 template <typename Visitor>
 void visit_fields(SurfaceOptions& options, Visitor& visit) {
-  auto& [method, map, base_order, rebuilds, soft_constraints, soft_weight, edge_length] = options;
+  auto& [method, map, base_order, rebuilds, soft_constraints, soft_weight, edge_length, max_triangles] =
+      options;
   visit("method", method);
   visit("map", map);
   visit("base_order", base_order);
@@ -38,6 +39,7 @@ void visit_fields(SurfaceOptions& options, Visitor& visit) {
   visit("soft_constraints", soft_constraints);
   visit("soft_weight", soft_weight);
   visit("edge_length", edge_length);
+  visit("max_triangles", max_triangles);
 }
 
 template <typename Visitor>

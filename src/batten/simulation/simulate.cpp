@@ -122,6 +122,12 @@ SimulatedScan simulate_scan(const TracedNetwork& traced, const SimulateOptions& 
     report.disturbed_centre = length * choice.uniform(half, 1 - half);
   }
 
+  double length = 0;
+  for (const TracedCurve& curve : traced.curves) length += curve.path->length();
+  constexpr double kMostReadings = 1e8;
+  if (const double n = length / (options.step * traced.diameter); n > kMostReadings)
+    throw InvalidInput(
+        concat("the step gives about ", n, " readings, more than ", kMostReadings, "; use a longer one"));
   double white_squares = 0;
   double drift_squares = 0;
   long n_readings = 0;

@@ -36,6 +36,9 @@ double on_grid(double x) {
 /// from it.
 constexpr double kInnerEdge = 0.7071067811865476;
 
+/// Triangles of a large patch per square of its inner edge length, seen on tori and spheres: 2.4 to 2.7.
+constexpr double kTrianglesPerSquare = 2.5;
+
 double mean_edge(const ScaledNetwork& network, const NetworkCycle& cycle) {
   double sum = 0;
   std::size_t count = 0;
@@ -352,6 +355,27 @@ bool fill_plane(const LaidOut& laid_out, double edge, double unit, PatchMesh& me
 std::string patch_name(const NetworkCycle& cycle, int patch) {
   if (!cycle.name.empty()) return cycle.name;
   return concat("patch ", patch, " (at vertex ", cycle.loops.front().vertices.front(), ")");
+}
+
+double estimated_triangles(const ScaledNetwork& network, const NetworkCycle& cycle, double edge) {
+  if (!(edge > 0)) edge = kInnerEdge * mean_edge(network, cycle);
+  Eigen::RowVector3d middle = Eigen::RowVector3d::Zero();
+  double count = 0;
+  for (const NetworkCycle::Loop& loop : cycle.loops)
+    for (const int v : loop.vertices) {
+      middle += network.positions.row(v);
+      ++count;
+    }
+  middle /= count;
+  double area = 0;
+  for (const NetworkCycle::Loop& loop : cycle.loops)
+    for (std::size_t i = 0; i < loop.vertices.size(); ++i) {
+      const Eigen::RowVector3d a = network.positions.row(loop.vertices[i]) - middle,
+                               b = network.positions.row(loop.vertices[(i + 1) % loop.vertices.size()]) -
+                                   middle;
+      area += 0.5 * a.cross(b).norm();
+    }
+  return count + kTrianglesPerSquare * area / (edge * edge);
 }
 
 PatchMesh mesh_patch_in_space(const ScaledNetwork& network, const NetworkCycle& cycle, int patch,

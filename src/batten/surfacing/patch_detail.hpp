@@ -32,6 +32,10 @@ struct ScaledNetwork {
 /// What messages call a patch: the name of its cycle, else "patch 3 (at vertex 7)".
 std::string patch_name(const NetworkCycle& cycle, int patch);
 
+/// About how many triangles mesh_patch() will make of a cycle: from the area between its loops, seen from
+/// their middle.
+double estimated_triangles(const ScaledNetwork& network, const NetworkCycle& cycle, double edge);
+
 /// Fills the loops of a cycle with triangles of about `edge` length (in diameters; 0: the mean edge of the
 /// loops). Tries the wanted map, then the triangulation in space. `warning` says in words what was changed.
 /// @throws InvalidInput naming the patch when it cannot be filled.

@@ -49,6 +49,7 @@ std::optional<std::string> SurfaceOptions::problem() const {
     return concat("soft_weight must be positive, got ", soft_weight);
   if (!(edge_length >= 0) || !std::isfinite(edge_length))
     return concat("edge_length must be >= 0, got ", edge_length);
+  if (!(max_triangles > 0)) return concat("max_triangles must be positive, got ", max_triangles);
   return std::nullopt;
 }
 
@@ -84,6 +85,7 @@ struct SurfaceSolver::Implementation {
                    " samples closer than 0.3 of the mean step of their curve took the normal "
                    "between their neighbours; resample the network to use them all"));
     }
+    check_size();
     std::vector<char> in_space(cycles.size(), 0);
     make(in_space, progress);
     const std::vector<char> folded = folded_patches();
@@ -105,6 +107,16 @@ struct SurfaceSolver::Implementation {
       }
     }
     finish();
+  }
+
+  void check_size() const {
+    double n = 0;
+    for (const NetworkCycle& cycle : cycles)
+      n += detail::estimated_triangles(scaled_network, cycle, options.edge_length / scaled_network.diameter);
+    if (n > options.max_triangles)
+      throw InvalidInput(concat("the surface would have about ", n, " triangles, more than ",
+                                options.max_triangles,
+                                "; take longer edges (option edge-length), or allow more (max-triangles)"));
   }
 
   void make(std::vector<char>& in_space, const Progress& progress) {

@@ -51,6 +51,8 @@ struct SurfaceOptions {
   /// Length of the edges inside patches, in the unit of the network (areas at most half its square); 0 takes
   /// 0.71 of the mean edge around each patch.
   double edge_length = 0;
+  /// More triangles than this, by an estimate before any is made, are refused: 20 million take about 20 GB.
+  double max_triangles = 20e6;
 
   /// The first problem found, naming field and value, or nothing.
   std::optional<std::string> problem() const;
