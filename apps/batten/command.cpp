@@ -356,6 +356,7 @@ int run(int argc, char** argv) {
   add_convert(app);
   add_render(app);
   add_info(app);
+  add_repair(app);
   add_fair(app);
   add_remesh(app);
   add_simplify(app);

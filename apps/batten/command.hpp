@@ -70,6 +70,7 @@ void add_fair(CLI::App& app);
 void add_remesh(CLI::App& app);
 void add_simplify(CLI::App& app);
 void add_deform(CLI::App& app);
+void add_repair(CLI::App& app);
 void add_report(CLI::App& app);
 
 }  // namespace batten::cli

@@ -23,6 +23,7 @@ struct CompareArguments {
   std::string a, b, registration = "none", distances;
   std::uint64_t seed = 1;
   long samples = 200000;
+  bool repair = false;
 };
 
 Json figures_json(const DistanceFigures& figures, double divisor) {
@@ -93,6 +94,9 @@ Outcome run_compare(const CompareArguments& arguments, Context& context) {
   }
   if (!arguments.distances.empty() && !a.mesh)
     throw InvalidInput(concat("--distances needs a mesh to write to, but ", arguments.a, " is a network"));
+  if (arguments.repair)
+    for (Model* model : {&a, &b})
+      if (model->mesh) prepare_mesh(model->path, *model->mesh, outcome.warnings, true);
   CompareOptions options;
   options.seed = arguments.seed;
   options.samples = arguments.samples;
@@ -161,6 +165,7 @@ void add_compare(CLI::App& app) {
         return output_extension(path, "ply") == "ply" ? std::string()
                                                       : concat("--distances must name a .ply file: ", path);
       });
+  add_repair_flag(*command, arguments->repair);
 }
 
 }  // namespace batten::cli

@@ -18,6 +18,7 @@ struct DeformArguments {
   double soft = 0;
   int iterations = DeformOptions{}.max_iterations;
   bool multiresolution = false;
+  bool repair = false;
 };
 
 DeformedMeshOptions options_of(const DeformArguments& arguments) {
@@ -37,7 +38,7 @@ Outcome run_deform(const DeformArguments& arguments, Context& context) {
   Handles handles;
   {
     const ScopedStage stage(outcome.times, "read");
-    mesh = read_mesh_to_process(arguments.in, outcome.warnings);
+    mesh = read_mesh_to_process(arguments.in, outcome.warnings, arguments.repair);
     handles = read_handles(arguments.handles, mesh.positions);
   }
   const DeformedMesh result = deformed_mesh(mesh, handles, options_of(arguments), context.progress);
@@ -85,6 +86,7 @@ void add_deform(CLI::App& app) {
                     "Iterate on a simplified mesh, put the detail back, finish on the mesh itself");
   command->add_option("--iterations", arguments->iterations, "Most iterations per part of the motion")
       ->check(CLI::Range(1, 100000));
+  add_repair_flag(*command, arguments->repair);
 }
 
 }  // namespace batten::cli

@@ -18,6 +18,7 @@ struct FairArguments {
   std::string input, output, method = "auto", noise = "auto";
   int iterations = 0;
   bool keep_boundary = false;
+  bool repair = false;
 };
 
 /// The noise in mean edge lengths; −1 for "auto". @throws InvalidInput on anything else.
@@ -34,7 +35,7 @@ Outcome run_fair(const FairArguments& arguments, Context& context) {
   {
     const ScopedStage stage(outcome.times, "read");
     mesh_format(arguments.output);  // an extension that cannot be written is refused before the work
-    mesh = read_mesh_to_process(arguments.input, outcome.warnings);
+    mesh = read_mesh_to_process(arguments.input, outcome.warnings, arguments.repair);
   }
   FairingOptions options;
   options.method = parse_choice<FairingMethod>(arguments.method);
@@ -96,6 +97,7 @@ void add_fair(CLI::App& app) {
       ->add_option("--iterations", arguments->iterations, "Rounds or steps; 0 takes the method's own number")
       ->check(CLI::Range(0, 100000));
   command->add_flag("--keep-boundary", arguments->keep_boundary, "Keep border vertices in place");
+  add_repair_flag(*command, arguments->repair);
 }
 
 }  // namespace batten::cli

@@ -19,6 +19,7 @@ struct RemeshArguments {
   std::string in, out, edge, keep_edges = "30deg", method = "ar", sizes;
   int vertices = 0, iterations = RemeshOptions{}.max_iterations;
   double adaptivity = RemeshOptions{}.adaptivity;
+  bool repair = false;
 };
 
 Outcome run_remesh(const RemeshArguments& arguments, Context& context) {
@@ -27,7 +28,7 @@ Outcome run_remesh(const RemeshArguments& arguments, Context& context) {
   TriangleMesh mesh;
   {
     const ScopedStage stage(outcome.times, "read");
-    mesh = read_mesh_to_process(arguments.in, outcome.warnings);
+    mesh = read_mesh_to_process(arguments.in, outcome.warnings, arguments.repair);
   }
   RemeshedMeshOptions options;
   RemeshOptions& chosen = options.remesh;
@@ -113,6 +114,7 @@ void add_remesh(CLI::App& app) {
   command->add_option("--sizes", arguments->sizes,
                       "Value per vertex of a PLY file that holds the wanted edge lengths");
   command->add_option("--iterations", arguments->iterations, "Most rounds")->check(CLI::Range(1, 1000));
+  add_repair_flag(*command, arguments->repair);
 }
 
 }  // namespace batten::cli

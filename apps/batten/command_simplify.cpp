@@ -24,6 +24,7 @@ struct SimplifyArguments {
   std::string keep_edges = "off", levels_folder;
   long faces = 0;
   int levels = 3;
+  bool repair = false;
   double p = 0.1, alpha = 1, beta = 1, sigma = 0.5;
 };
 
@@ -111,7 +112,7 @@ Outcome run_simplify(const SimplifyArguments& arguments, Context& context) {
   TriangleMesh mesh;
   {
     const ScopedStage stage(outcome.times, "read");
-    mesh = read_mesh_to_process(arguments.input, outcome.warnings);
+    mesh = read_mesh_to_process(arguments.input, outcome.warnings, arguments.repair);
   }
   const SimplifiedMeshOptions options = options_of(arguments);
   const SimplifiedMesh result = simplified_mesh(mesh, options, context.progress);
@@ -192,6 +193,7 @@ void add_simplify(CLI::App& app) {
       ->check(parses("adaptive|NUMBER", parse_fidelity));
   command->add_option("--keep-all-levels", arguments->levels_folder,
                       "Folder for the mesh of every level with its map to the next coarser one");
+  add_repair_flag(*command, arguments->repair);
 }
 
 }  // namespace batten::cli

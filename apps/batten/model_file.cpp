@@ -10,6 +10,7 @@
 #include "batten/io/network_io.hpp"
 #include "batten/io/standard_streams.hpp"
 #include "batten/pipeline/mesh_input.hpp"
+#include "batten/pipeline/repaired_mesh.hpp"
 #include "batten/pipeline/shape_comparison.hpp"
 
 namespace batten::cli {
@@ -53,10 +54,27 @@ Model read_model(const std::string& path, std::vector<std::string>& warnings) {
   return model;
 }
 
-TriangleMesh read_mesh_to_process(const std::string& path, std::vector<std::string>& warnings) {
+TriangleMesh read_mesh_to_process(const std::string& path, std::vector<std::string>& warnings, bool repair) {
   TriangleMesh mesh = read_mesh(path, &warnings);
   if (const auto problem = mesh_problem(mesh)) throw InvalidInput(concat(path, ": ", *problem));
+  prepare_mesh(path, mesh, warnings, repair);
   return mesh;
+}
+
+void prepare_mesh(const std::string& path, TriangleMesh& mesh, std::vector<std::string>& warnings,
+                  bool repair) {
+  if (!repair) {
+    if (const auto note = weld_soup(mesh)) warnings.push_back(concat(path, ": ", *note));
+    return;
+  }
+  RepairedMesh repaired = repaired_mesh(mesh);
+  mesh = std::move(repaired.mesh);
+  for (const std::string& done : repaired.done) warnings.push_back(concat(path, " repaired: ", done));
+  for (const std::string& flaw : repaired.flaws) warnings.push_back(concat(path, " not repaired: ", flaw));
+}
+
+void add_repair_flag(CLI::App& command, bool& repair) {
+  command.add_flag("--repair", repair, "Mend the input first, as batten repair does");
 }
 
 Shape shape_of(const Model& model) {

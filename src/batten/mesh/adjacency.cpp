@@ -106,7 +106,8 @@ OneRings one_rings(const Triangles& triangles, Eigen::Index n_vertices) {
       std::sort(spokes.begin(), spokes.end());
       const auto fail = [&] {
         throw InvalidInput(
-            concat("the triangles around vertex ", v, " do not form one fan of consistent orientation"));
+            concat("the triangles around vertex ", v,
+                   " do not form one fan of consistent orientation; batten repair IN -o OUT mends that"));
       };
       for (size_t k = 1; k < n; ++k)
         if (spokes[k].first == spokes[k - 1].first) fail();
@@ -276,22 +277,23 @@ MeshTopology mesh_topology(const Triangles& triangles, Eigen::Index n_vertices) 
     return concat("vertices ", edges.vertices(e, 0), " and ", edges.vertices(e, 1));
   };
   if (!topology.collapsed_triangles.empty())
-    topology.problems.push_back(concat(topology.collapsed_triangles.size(),
-                                       " triangles name a vertex twice, the first is triangle ",
-                                       topology.collapsed_triangles[0], "; remove them"));
+    topology.problems.push_back(
+        concat(topology.collapsed_triangles.size(), " triangles name a vertex twice, the first is triangle ",
+               topology.collapsed_triangles[0], "; batten repair IN -o OUT leaves them out"));
   if (!topology.non_manifold_edges.empty())
     topology.problems.push_back(
         concat(topology.non_manifold_edges.size(), " edges have more than two triangles, the first between ",
-               edge_name(topology.non_manifold_edges[0]), "; separate the sheets that meet there"));
+               edge_name(topology.non_manifold_edges[0]), "; batten repair IN -o OUT separates the sheets"));
   if (!topology.non_manifold_vertices.empty())
     topology.problems.push_back(concat(topology.non_manifold_vertices.size(),
                                        " vertices join several fans of triangles, the first is vertex ",
                                        topology.non_manifold_vertices[0],
-                                       "; give each fan a vertex of its own"));
+                                       "; batten repair IN -o OUT gives each fan its own"));
   if (!topology.inconsistent_edges.empty())
     topology.problems.push_back(concat("the triangles on both sides of ", topology.inconsistent_edges.size(),
                                        " edges are oriented against each other, the first between ",
-                                       edge_name(topology.inconsistent_edges[0]), "; turn one side over"));
+                                       edge_name(topology.inconsistent_edges[0]),
+                                       "; batten repair IN -o OUT orients them"));
   return topology;
 }
 

@@ -32,7 +32,8 @@ void check_input(const Points& positions, const Triangles& triangles) {
         throw InvalidInput(concat("vertex ", v, " of face ", f, " has a coordinate that is not finite; ",
                                   "remove it or give it a position"));
       if (v == triangles(f, (k + 1) % 3))
-        throw InvalidInput(concat("face ", f, " names vertex ", v, " twice; remove the face"));
+        throw InvalidInput(
+            concat("face ", f, " names vertex ", v, " twice; batten repair IN -o OUT leaves the face out"));
     }
   }
 }
@@ -61,10 +62,11 @@ HalfedgeMesh::HalfedgeMesh(const Points& positions, const Triangles& triangles,
     for (int i = lists.start[u]; i < lists.start[u + 1]; ++i) {
       const int other = lists.order[i];
       if (other < h && to(other) == v)
-        throw InvalidInput(concat("faces ", face(other), " and ", face(h), " run along the edge from vertex ",
-                                  u, " to vertex ", v, " in the same direction: the edge has more than two ",
-                                  "faces or one of them is turned inside out; orient the faces alike or ",
-                                  "remove one"));
+        throw InvalidInput(
+            concat("faces ", face(other), " and ", face(h), " run along the edge from vertex ", u,
+                   " to vertex ", v, " in the same direction: the edge has more than two ",
+                   "faces or one of them is turned inside out; batten repair IN -o OUT orients ",
+                   "faces alike and separates sheets"));
     }
     for (int i = lists.start[v]; i < lists.start[v + 1]; ++i)
       if (to(lists.order[i]) == u) opposite_[h] = lists.order[i];
@@ -78,9 +80,11 @@ HalfedgeMesh::HalfedgeMesh(const Points& positions, const Triangles& triangles,
       int owner = static_cast<int>(v);
       if (outgoing_[v] != kNone) {
         if (vertices == NonManifoldVertices::Refuse)
-          throw InvalidInput(concat("at vertex ", v, " several fans of faces meet in one point (faces ",
-                                    face(outgoing_[v]), " and ", face(h),
-                                    " are not joined around it); give each fan a vertex of its own"));
+          throw InvalidInput(
+              concat("at vertex ", v, " several fans of faces meet in one point (faces ", face(outgoing_[v]),
+                     " and ", face(h),
+                     " are not joined around it); batten repair IN -o OUT gives each fan a vertex"
+                     " of its own"));
         owner = vertex_capacity();
         positions_.push_back(Eigen::Vector3d(positions_[v]));
         source_.push_back(static_cast<int>(v));

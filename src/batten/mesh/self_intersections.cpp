@@ -2,35 +2,15 @@
 
 #include <algorithm>
 #include <array>
-#include <numeric>
 
 #include "batten/core/parallel.hpp"
 #include "batten/mesh/box_tree.hpp"
 #include "batten/mesh/predicates.hpp"
+#include "batten/mesh/welding.hpp"
 
 namespace batten {
 
 namespace {
-
-/// One number for all vertices at the same place.
-std::vector<int> merged_vertices(const Points& positions) {
-  const auto n = static_cast<size_t>(positions.rows());
-  std::vector<int> order(n), number(n);
-  std::iota(order.begin(), order.end(), 0);
-  const auto compare = [&](int i, int j) {
-    for (int k = 0; k < 3; ++k)
-      if (positions(i, k) != positions(j, k)) return positions(i, k) < positions(j, k) ? -1 : 1;
-    return 0;
-  };
-  std::sort(order.begin(), order.end(), [&](int i, int j) {
-    const int c = compare(i, j);
-    return c != 0 ? c < 0 : i < j;
-  });
-  for (size_t k = 0; k < n; ++k)
-    number[static_cast<size_t>(order[k])] =
-        k > 0 && compare(order[k - 1], order[k]) == 0 ? number[static_cast<size_t>(order[k - 1])] : order[k];
-  return number;
-}
 
 using Corners = std::array<Eigen::Vector3d, 3>;
 
@@ -66,7 +46,7 @@ bool folded_back(const Eigen::Vector3d& v, const Eigen::Vector3d& w, const Eigen
 
 std::vector<std::pair<int, int>> self_intersections(const Points& positions, const Triangles& triangles,
                                                     size_t most, const Progress& progress) {
-  const std::vector<int> place = merged_vertices(positions);
+  const std::vector<int> place = places_of_vertices(positions);
   const auto corners_of = [&](int f) {
     return Corners{positions.row(triangles(f, 0)), positions.row(triangles(f, 1)),
                    positions.row(triangles(f, 2))};

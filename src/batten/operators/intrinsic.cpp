@@ -55,9 +55,10 @@ std::vector<int> opposite_half_edges(const Triangles& triangles) {
         const auto [c, d] = ends(bucket[j]);
         if (std::max(a, b) != std::max(c, d)) continue;
         if (a == c || opposite[bucket[i]] >= 0 || opposite[bucket[j]] >= 0)
-          throw InvalidInput(
-              concat("the triangles ", bucket[i] / 3, " and ", bucket[j] / 3, " share the edge ", a, "-", b,
-                     " with a third one or in the same direction; separate or re-orient them"));
+          throw InvalidInput(concat("the triangles ", bucket[i] / 3, " and ", bucket[j] / 3,
+                                    " share the edge ", a, "-", b,
+                                    " with a third one or in the same direction; batten repair IN -o OUT "
+                                    "separates and orients them"));
         opposite[bucket[i]] = bucket[j];
         opposite[bucket[j]] = bucket[i];
       }

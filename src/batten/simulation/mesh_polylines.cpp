@@ -133,7 +133,7 @@ MeshEdgeFaces::MeshEdgeFaces(const TriangleMesh& mesh) {
       if (sides[static_cast<size_t>(side)] >= 0)
         throw InvalidInput(concat("faces ", sides[static_cast<size_t>(side)] + 1, " and ", f + 1,
                                   " of the mesh run the same way along one edge: the mesh is no oriented "
-                                  "manifold, repair it"));
+                                  "manifold; batten repair IN -o OUT makes it one"));
       sides[static_cast<size_t>(side)] = static_cast<int>(f);
     }
 }
