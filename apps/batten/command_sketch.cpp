@@ -11,6 +11,7 @@
 #include "batten/io/mesh_io.hpp"
 #include "batten/io/standard_streams.hpp"
 #include "batten/session/journal.hpp"
+#include "batten/session/playing.hpp"
 #include "batten/session/project.hpp"
 #include "batten/subdivision/bspline_surface.hpp"
 #include "batten/subdivision/step.hpp"
@@ -22,7 +23,7 @@ namespace {
 struct SketchArguments {
   std::string session, output, surface, step, model;
   ModelSurfaceArguments model_surface;
-  bool strict = false;
+  bool strict = false, accept_flaws = false;
 };
 
 std::string id(char kind, int number) {
@@ -89,25 +90,31 @@ Json describe(const SessionEdit& edit, const std::string& op, const EditOutcome&
   return json;
 }
 
-/// Plays a session; refused edits are told and passed over.
+/// Plays a session; edits that are refused, or done late, are told.
 void play(const Session& session, const std::string& path, Document& document, Context& context,
           Outcome& outcome) {
   Json edits = Json::array(), refused = Json::array();
-  for (std::size_t k = 0; k < session.edits.size(); ++k) {
-    context.progress.report("edits", static_cast<double>(k) / static_cast<double>(session.edits.size()));
-    const SessionEdit& edit = session.edits[k];
+  for (const PlayedEdit& played : play_session(session, document, context.progress)) {
+    const SessionEdit& edit = session.edits[played.index];
     const std::string op = name_of_op(edit.edit);
-    try {
-      const EditOutcome done = document.apply(edit.edit);
-      if (k < session.n_implied) continue;
-      edits.push_back(describe(edit, op, done));
-      for (const std::string& remark : done.report.remarks)
-        outcome.lines.push_back(concat("line ", edit.line, ": ", remark));
-    } catch (const RefusedEdit& refusal) {
+    if (!played.done) {
       refused.push_back(
-          {{"line", edit.line}, {"op", op}, {"reason", refusal.reason()}, {"remedy", refusal.remedy()}});
-      outcome.lines.push_back(concat("line ", edit.line, ": ", op, " refused: ", refusal.what()));
+          {{"line", edit.line}, {"op", op}, {"reason", played.reason}, {"remedy", played.remedy}});
+      outcome.lines.push_back(
+          concat("line ", edit.line, ": ", op, " refused: ", played.reason, "; ", played.remedy));
+      continue;
     }
+    if (played.index < session.n_implied) continue;
+    edits.push_back(describe(edit, op, *played.done));
+    if (played.after != played.index) {
+      const long after = session.edits[played.after].line;
+      edits.back()["done_after_line"] = after;
+      edits.back()["waited_for"] = played.reason;
+      outcome.lines.push_back(concat("line ", edit.line, ": ", op, " done after line ", after,
+                                     played.reason.empty() ? "" : concat("; in its turn ", played.reason)));
+    }
+    for (const std::string& remark : played.done->report.remarks)
+      outcome.lines.push_back(concat("line ", edit.line, ": ", remark));
   }
   if (session.torn) outcome.warnings.push_back(session.warning(path));
   outcome.figures["edits_done"] = edits.size();
@@ -189,7 +196,11 @@ void make_surface(const SketchArguments& arguments, const PolylineMesh& model, c
                                        continuity.worst_curve, "), by ",
                                        degrees(continuity.smooth.mean_normal_jump), " in the mean"));
     }
-    write_surface(arguments, std::move(surface.mesh), figures, outcome);
+    if (surface.soundness->is_sound() || arguments.accept_flaws)
+      write_surface(arguments, std::move(surface.mesh), figures, outcome);
+    else
+      outcome.failure = concat(surface.soundness->sentence(), "; ", arguments.surface,
+                               " is not written (--accept-flaws writes it all the same)");
   }
   if (!arguments.step.empty()) write_patches(arguments, unit, surface.cage, context, figures, outcome);
 }
@@ -246,7 +257,7 @@ Outcome run_sketch(const SketchArguments& arguments, Context& context) {
     }
   }
   const auto n_refused = outcome.figures["refused"].size();
-  if (arguments.strict && n_refused > 0)
+  if (arguments.strict && n_refused > 0 && outcome.failure.empty())
     outcome.failure =
         concat(n_refused, " edit", n_refused == 1 ? " was" : "s were", " refused, the first in line ",
                outcome.figures["refused"][0]["line"].get<long>(), ": ",
@@ -272,6 +283,8 @@ void add_sketch(CLI::App& app) {
   command->add_option("--step", arguments->step, "STEP file to write: the limit surface as B-spline patches");
   command->add_option("--model", arguments->model, "Name of the model, where the project has several");
   command->add_flag("--strict", arguments->strict, "Exit with 1 when an edit was refused");
+  command->add_flag("--accept-flaws", arguments->accept_flaws,
+                    "Exit with 0 although the surface crosses itself or is turned over somewhere");
 }
 
 }  // namespace batten::cli

@@ -1,6 +1,9 @@
 #include "batten/sketch/stroke.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <vector>
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
@@ -124,6 +127,118 @@ TEST(PrepareStroke, HooksAtTheEndsAreNoCorners) {
         options);
     EXPECT_EQ(stroke.corners.size(), snap > 0 ? 0U : 2U);
   }
+}
+
+/// Points with a tremor of `deviation` a coordinate, smooth over some three samples, and a third as much that
+/// is not.
+Points with_tremor(Points points, double deviation, std::uint64_t seed) {
+  Random random(seed);
+  const Eigen::Index n = points.rows();
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    std::vector<double> white(static_cast<size_t>(n) + 20);
+    for (double& value : white) value = random.normal();
+    for (Eigen::Index i = 0; i < n; ++i) {
+      double sum = 0, squares = 0;
+      for (int k = -10; k <= 10; ++k) {
+        const double weight = std::exp(-0.5 * k * k / (2.8 * 2.8));
+        sum += weight * white[static_cast<size_t>(i + 10 + k)];
+        squares += weight * weight;
+      }
+      points(i, axis) += deviation * (sum / std::sqrt(squares) + 0.35 * random.normal());
+    }
+  }
+  return points;
+}
+
+Points circle_of(int n, double radius) {
+  Points points(n, 3);
+  for (int i = 0; i < n; ++i)
+    points.row(i) << radius * std::cos(2 * kPi * i / n), radius * std::sin(2 * kPi * i / n), 0;
+  return points;
+}
+
+// Strokes without noise stay as they are to the last bit, also those of few samples, whose distance from
+// cubics looks like noise, and those rounded to the digits of a file.
+TEST(NeatStroke, LeavesExactStrokesAlone) {
+  for (const int n : {12, 16, 24, 60, 200})
+    for (const double digits : {0.0, 1e6}) {
+      Points points = circle_of(n, 3);
+      if (digits > 0) points = (points * digits).array().round() / digits;
+      StrokeOptions options;
+      options.closed = true;
+      const Stroke stroke = prepare_stroke(points, options), neat = neat_stroke(stroke);
+      EXPECT_FALSE(neat.is_neat) << n;
+      EXPECT_EQ(neat.points, stroke.points) << n;
+    }
+}
+
+// The mean square distance of samples from a circle with tremor s in each coordinate, a ninth of it from
+// sample to sample, is 2 · 1.12 s² across the circle. Over some ten samples tremor is like the stroke itself;
+// what a spline of few spans leaves of it is four fifths in the mean. There are no corners, and a line stays
+// a line.
+TEST(NeatStroke, TakesTremorFromCirclesAndLines) {
+  const double deviation = 0.03;
+  double squares = 0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    StrokeOptions options;
+    options.closed = true;
+    const Stroke circle =
+        neat_stroke(prepare_stroke(with_tremor(circle_of(90, 3), deviation, seed), options));
+    EXPECT_TRUE(circle.is_neat) << seed;
+    EXPECT_TRUE(circle.corners.empty()) << seed;
+    for (Eigen::Index i = 0; i < circle.points.rows(); ++i) {
+      const double aside = circle.points.row(i).head(2).norm() - 3, up = circle.points(i, 2);
+      squares += (aside * aside + up * up) / static_cast<double>(circle.points.rows());
+    }
+
+    Points line(81, 3);
+    for (int i = 0; i <= 80; ++i) line.row(i) << 10.0 * i / 80, 0, 0;
+    const Stroke straight = neat_stroke(prepare_stroke(with_tremor(line, 0.08, seed), {}));
+    EXPECT_TRUE(straight.corners.empty()) << seed;
+    EXPECT_LT(straight.length, 10.5) << seed;
+  }
+  EXPECT_LT(squares / 20, 0.8 * 2 * 1.12 * deviation * deviation);
+}
+
+// The corners of a rectangle with tremor are there, near their places, and there are no others.
+TEST(NeatStroke, KeepsDrawnCorners) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    Points points(120, 3);
+    const std::array<Vector3d, 4> corners{Vector3d(0, 0, 0), Vector3d(6, 0, 0), Vector3d(6, 4, 0),
+                                          Vector3d(0, 4, 0)};
+    for (int i = 0; i < 120; ++i) {
+      const size_t side = static_cast<size_t>((i + 15) / 30) % 4;
+      const double t = ((i + 15) % 30) / 30.0;
+      points.row(i) = ((1 - t) * corners[side] + t * corners[(side + 1) % 4]).transpose();
+    }
+    StrokeOptions options;
+    options.closed = true;
+    const Stroke neat = neat_stroke(prepare_stroke(with_tremor(points, 0.02, seed), options));
+    ASSERT_EQ(neat.corners.size(), 4U) << seed;
+    for (const int corner : neat.corners) {
+      double nearest = 10;
+      for (const Vector3d& place : corners)
+        nearest = std::min(nearest, (neat.points.row(corner).transpose() - place).norm());
+      EXPECT_LT(nearest, 0.2) << seed;
+    }
+  }
+}
+
+// Held points off a neat stroke move it without a swing: the curve goes through them and is nowhere farther
+// from the line than they are.
+TEST(NeatStroke, IsMovedOntoHeldPoints) {
+  Points line(81, 3);
+  for (int i = 0; i <= 80; ++i) line.row(i) << 10.0 * i / 80, 0, 0;
+  Stroke stroke = prepare_stroke(line, {});
+  stroke.is_neat = true;
+  const std::vector<HeldPoint> held{
+      {0, Vector3d(0, 0.1, 0)}, {4, Vector3d(4, -0.2, 0)}, {10, Vector3d(10, 0, 0.1)}};
+  const FittedStroke fitted = fit_stroke(stroke, held);
+  ASSERT_EQ(fitted.pieces.size(), 2U);
+  EXPECT_EQ(fitted.pieces[0].points.row(0).transpose(), held[0].position);
+  EXPECT_EQ(fitted.pieces[1].points.row(0).transpose(), held[1].position);
+  for (const FittedStroke::Piece& piece : fitted.pieces)
+    EXPECT_LT(piece.points.rightCols(2).rowwise().norm().maxCoeff(), 0.2001);
 }
 
 }  // namespace

@@ -99,7 +99,7 @@ EditOutcome Document::do_edit(Edit edit, const Confirm& confirm, LogPlace place,
     const std::size_t n_vertices = model.vertices().size();
     model.begin();
     try {
-      report = run_tool(model, sketch->edit);
+      report = run_patiently(model, sketch->edit);
       if (confirm) confirm(edit, place);
     } catch (...) {
       model.roll_back();

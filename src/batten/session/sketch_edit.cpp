@@ -36,6 +36,38 @@ EditReport run_tool(PolylineMesh& model, const SketchEdit& edit) {
   return report;
 }
 
+EditReport run_patiently(PolylineMesh& model, const SketchEdit& edit) {
+  const auto options_of = [](SketchEdit& one) -> InsertOptions* {
+    return std::visit(
+        [](auto& e) -> InsertOptions* {
+          if constexpr (requires { e.options; })
+            return &e.options;
+          else
+            return nullptr;
+        },
+        one);
+  };
+  try {
+    return run_tool(model, edit);
+  } catch (const RefusedEdit&) {
+    SketchEdit patient = edit;
+    InsertOptions* options = options_of(patient);
+    if (!options || options->snap != 0) throw;
+    constexpr double kReach = 4;
+    for (const double factor : {1.0, 1.5, 2.2, 3.2}) {
+      options->snap_factor = factor;
+      options->reach_factor = kReach;
+      model.roll_back();
+      model.begin();
+      try {
+        return run_tool(model, patient);
+      } catch (const RefusedEdit&) {
+      }
+    }
+    throw;
+  }
+}
+
 bool sets_the_same(const SketchEdit& first, const SketchEdit& second) {
   const auto *a = std::get_if<SharpnessEdit>(&first), *b = std::get_if<SharpnessEdit>(&second);
   if (a && b) return a->curve == b->curve && a->between == b->between;

@@ -61,6 +61,13 @@ using SketchEdit = std::variant<InsertEdit, DeleteEdit, SharpnessEdit, MirrorEdi
 /// @throws RefusedEdit; std::logic_error when a tool has broken an invariant of the model.
 EditReport run_tool(PolylineMesh& model, const SketchEdit& edit);
 
+/// run_tool(), again with more patience where an edit that names no snapping distance is refused: its strokes
+/// reach for what they begin and end at, up to 6 % of the diameter away, and meet curves within 1.5, 2.2
+/// and 3.2 times default_snap(). What the edit gives is kept of the first that succeeds.
+/// @param model within begin(), which is begun anew for every try.
+/// @throws as run_tool(): the refusal of the first try.
+EditReport run_patiently(PolylineMesh& model, const SketchEdit& edit);
+
 /// Whether two edits set the same thing, so that within one drag the second takes the place of the first: the
 /// sharpness of the same part of a curve, or a motion of the whole model.
 bool sets_the_same(const SketchEdit& first, const SketchEdit& second);

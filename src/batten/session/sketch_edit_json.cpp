@@ -93,7 +93,10 @@ DrawnStroke stroke_in(const Fields& fields, const Json& value, const std::string
 
 InsertOptions options_of(const Fields& fields) {
   InsertOptions options;
-  options.snap = fields.number("snap", 0);
+  const Json* snap = fields.find("snap");
+  const auto* how = snap ? snap->get<std::string>() : nullptr;
+  if (how && *how != "auto") fields.fail("snap", "a length, or \"auto\"");
+  if (!how) options.snap = fields.number("snap", 0);
   options.sharpness = fields.number("sharpness", 0);
   if (const Json* into = fields.find("into")) {
     const auto* word = into->get<std::string>();

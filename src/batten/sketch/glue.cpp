@@ -94,6 +94,12 @@ EditReport glue_borders(PolylineMesh& mesh, const DrawnStroke& first, const Draw
     const char* which = k == 0 ? "first" : "second";
     if (strokes[k].closed)
       throw RefusedEdit(concat("the ", which, " stroke is closed"), "draw it from one border to the other");
+    if (options.reach_factor > 0)
+      strokes[k] = detail::reaching_stroke(
+          mesh, strokes[k], detail::reach_of(mesh, strokes[k], options.reach_factor), [&](int e) {
+            const auto& faces = mesh.edge(e).faces;
+            return faces[0] < 0 || faces[1] < 0;
+          });
     const auto own = end_contacts(mesh, strokes[k], snap, which);
     contacts.insert(contacts.end(), own.begin(), own.end());
   }

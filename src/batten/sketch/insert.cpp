@@ -77,6 +77,30 @@ double off_course(const PolylineMesh& mesh, const std::vector<int>& walk, int ve
   return angle(direction, face_fan(mesh, walk).centre - mesh.vertex(vertex).position);
 }
 
+/// Whether a stroke runs over the middle of an opening and far from every face at its ends.
+bool runs_over(const PolylineMesh& mesh, const Walkway& opening, int from, int to,
+               const std::vector<Points>& piece) {
+  const Points& part = piece[piece.size() / 2];
+  const Vector3d middle = part.row(part.rows() / 2);
+  const double over_opening = face_fan(mesh, opening.walk).distance(middle);
+  for (const int vertex : {from, to})
+    for (const int e : mesh.vertex(vertex).edges)
+      for (const int face : mesh.edge(e).faces)
+        if (face >= 0 && face_fan(mesh, mesh.face(face).sides).distance(middle) < 3 * over_opening)
+          return false;
+  return true;
+}
+
+/// How far a piece of a stroke lies from a face, in the mean of a few places inside it.
+double distance_from(const PolylineMesh& mesh, int face, const std::vector<Points>& piece) {
+  const FaceFan fan = face_fan(mesh, mesh.face(face).sides);
+  double sum = 0;
+  int n = 0;
+  for (const Points& points : piece)
+    for (Index k = 1; k < 8; ++k, ++n) sum += fan.distance(points.row(k * (points.rows() - 1) / 8));
+  return sum / n;
+}
+
 /// Whether a stroke without a common face heads rather for the faces at its ends than for the opening: then
 /// it has missed a curve and is no lid.
 bool heads_for_faces(const PolylineMesh& mesh, const Walkway& opening, int from, int to,
@@ -303,12 +327,25 @@ EditReport insert_ready(PolylineMesh& mesh, const Stroke& stroke, const std::vec
     const Walkway* best = nullptr;
     double least = std::numeric_limits<double>::infinity();
     const std::vector<Walkway> ways = walkways(mesh, from, to);
+    // Where curves leave a vertex side by side, directions alone do not tell which face is meant.
+    std::vector<double> distances(ways.size(), 0);
+    double nearest = std::numeric_limits<double>::infinity();
+    for (size_t w = 0; w < ways.size(); ++w)
+      if (ways[w].face >= 0) {
+        distances[w] = distance_from(mesh, ways[w].face, parts);
+        nearest = std::min(nearest, distances[w]);
+      }
     for (const Walkway& way : ways) {
       if ((options.into == Into::Face && way.face < 0) || (options.into == Into::Opening && way.face >= 0))
         continue;
       constexpr double kFacesFirst = 0.3;  // radians; an opening has to be meant
-      const double cost = misfit(mesh, way.walk, from, leaving) + misfit(mesh, way.walk, to, arriving) +
-                          (way.face < 0 ? kFacesFirst : 0);
+      constexpr double kFarther = 0.6;     // radians, for a face much farther away than another
+      const auto farther = [&](double distance) {
+        return distance > nearest ? kFarther * (1 - nearest / distance) : 0;
+      };
+      const double cost =
+          misfit(mesh, way.walk, from, leaving) + misfit(mesh, way.walk, to, arriving) +
+          (way.face < 0 ? kFacesFirst : farther(distances[static_cast<size_t>(&way - ways.data())]));
       if (cost < least - 1e-6) {
         least = cost;
         best = &way;
@@ -317,7 +354,7 @@ EditReport insert_ready(PolylineMesh& mesh, const Stroke& stroke, const std::vec
     const bool common_face =
         std::any_of(ways.begin(), ways.end(), [](const Walkway& way) { return way.face >= 0; });
     if (best && best->face < 0 && !common_face && options.into == Into::Auto &&
-        heads_for_faces(mesh, *best, from, to, leaving, arriving))
+        heads_for_faces(mesh, *best, from, to, leaving, arriving) && !runs_over(mesh, *best, from, to, parts))
       best = nullptr;
     if (!best) refuse_piece(mesh, parts, from, to, snap, options.into);
     const std::vector<int> chain = add_piece(mesh, drawn, piece, options.sharpness);
@@ -339,7 +376,9 @@ EditReport insert_ready(PolylineMesh& mesh, const Stroke& stroke, const std::vec
 
 EditReport insert_curve(PolylineMesh& mesh, const DrawnStroke& drawn, const InsertOptions& options) {
   const double snap = detail::snap_or_default(mesh, drawn.points, options);
-  const Stroke stroke = detail::ready_stroke(drawn, snap, !detail::runs_between_curves(mesh, drawn, snap));
+  Stroke stroke = detail::ready_stroke(drawn, snap, !detail::runs_between_curves(mesh, drawn, snap));
+  if (options.reach_factor > 0)
+    stroke = detail::reaching_stroke(mesh, stroke, detail::reach_of(mesh, stroke, options.reach_factor));
   return detail::insert_ready(mesh, stroke, detail::find_contacts(mesh, stroke, snap), snap, options);
 }
 

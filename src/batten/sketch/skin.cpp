@@ -70,6 +70,12 @@ EditReport skin_profiles(PolylineMesh& mesh, const std::vector<DrawnStroke>& pro
     if (strokes[s].closed)
       throw RefusedEdit(concat("the ", which, " spine is closed"),
                         "draw it from the first profile to the last");
+    if (options.reach_factor > 0)
+      strokes[s] = detail::reaching_stroke(
+          mesh, strokes[s], detail::reach_of(mesh, strokes[s], options.reach_factor), [&](int e) {
+            return std::find(report.curves.begin(), report.curves.end(), mesh.edge(e).curve) !=
+                   report.curves.end();
+          });
     contacts[s] = detail::find_contacts(mesh, strokes[s], snap);
     met[s] = profiles_met(mesh, contacts[s], report.curves, which);
     for (size_t k = 0; k < n; ++k)

@@ -1,8 +1,12 @@
 #include "batten/sketch/stroke.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
+#include <map>
 #include <optional>
+#include <utility>
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -36,13 +40,22 @@ constexpr double kClearOfHolds = 10;  // times how far a held point lies off the
 /// it has no solution, and the curve swings, each by more than those that it crosses.
 constexpr double kDenseFour = 0.07;
 
-/// Standard deviation per coordinate of the noise: how far samples lie from the cubic through two neighbours
-/// on either side, with chord lengths as parameters, so that exact smooth strokes have none to fourth order.
-double estimate_noise(const Points& points) {
+struct Noise {
+  double deviation = 0;  ///< standard deviation per coordinate
+  /// It is that of a hand or a device: neighbours deviate in no relation. Exact strokes of few samples seem
+  /// to have some too, but it goes on from each to the next.
+  bool is_random = false;
+};
+
+/// How far samples lie from the cubic through two neighbours on either side, with chord lengths as
+/// parameters, so that exact smooth strokes have none to fourth order.
+Noise estimate_noise(const Points& points) {
   const Index n = points.rows();
-  if (n < 8) return 0;
+  if (n < 8) return {};
   std::vector<double> residuals;
   const Index step = std::max<Index>(1, n / 4000);
+  Vector3d last = Vector3d::Zero();
+  double products = 0, squares_of_all = 0;
   for (Index i = 2; i + 2 < n; i += step) {
     double t[5] = {0, 0, 0, 0, 0};
     for (int k = 1; k < 5; ++k) t[k] = t[k - 1] + (points.row(i - 2 + k) - points.row(i - 3 + k)).norm();
@@ -55,9 +68,17 @@ double estimate_noise(const Points& points) {
       guess += weight * points.row(i - 2 + k).transpose();
       squares += weight * weight;
     }
-    residuals.push_back((points.row(i).transpose() - guess).norm() / std::sqrt(squares));
+    const Vector3d residual = (points.row(i).transpose() - guess) / std::sqrt(squares);
+    residuals.push_back(residual.norm());
+    // In directions, so that a corner counts no more than any other place.
+    const Vector3d direction = residual.stableNormalized();
+    products += direction.dot(last);
+    squares_of_all += direction.squaredNorm();
+    last = direction;
   }
-  return upper_median(residuals) / 1.538;  // the median of the length of a standard normal 3-vector
+  constexpr double kMostCorrelation = 0.25;  // of random deviations it is about −0.6
+  return {upper_median(residuals) / 1.538,   // the median of the length of a standard normal 3-vector
+          products < kMostCorrelation * squares_of_all};
 }
 
 Points without_repeats(const Points& points, double tolerance) {
@@ -336,6 +357,60 @@ Spline fitted_spline(const std::vector<Sample>& samples, const std::vector<Sampl
   return spline;
 }
 
+/// Samples of hands depend on each other: so many in a row count as one, and no stroke as more than so many.
+constexpr double kSamplesOfTremor = 4, kMostSamplesOfHand = 80;
+/// A corner has a place and two directions of its own: so many parameters, beside those of its parts.
+constexpr double kParametersOfCorner = 3;
+
+/// How many samples of so many count.
+double free_samples(Index n) {
+  return std::max(2.0, std::min(static_cast<double>(n), kMostSamplesOfHand) / kSamplesOfTremor);
+}
+
+/// A free spline through samples, with what the Bayesian information criterion wants to know of it.
+struct FreeFit {
+  Spline spline;
+  double rest = 0;  ///< mean square distance from the samples
+  double parameters = 0;
+};
+
+/// A span without a sample, or an end of one of half its length, goes where it likes.
+bool leaves_spans_empty(const std::vector<Sample>& samples, int spans) {
+  double last = 0;
+  for (const Sample& sample : samples) {
+    if ((sample.t - last) * spans > (last == 0 ? 0.5 : 1)) return true;
+    last = sample.t;
+  }
+  return (1 - last) * spans > 0.5;
+}
+
+/// The one that the criterion prefers. @param noise the least root mean square distance that is believed.
+FreeFit likeliest_spline(const std::vector<Sample>& samples, bool periodic, double noise) {
+  static constexpr std::array<int, 13> kSpans{1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96};
+  const double n_free = free_samples(static_cast<Index>(samples.size()));
+  FreeFit best;
+  double least = std::numeric_limits<double>::infinity();
+  for (const int spans : kSpans) {
+    const double parameters = periodic ? spans : spans + 3;
+    if (periodic && spans < 4) continue;
+    if (std::isfinite(least) &&
+        (parameters > 0.6 * static_cast<double>(samples.size()) || leaves_spans_empty(samples, spans)))
+      break;
+    Spline spline = least_squares_spline(samples, {}, spans, periodic, 1e-9);
+    double squares = 0, weights = 0;
+    for (const Sample& sample : samples) {
+      squares += sample.weight * (spline.at(sample.t) - sample.point).squaredNorm();
+      weights += sample.weight;
+    }
+    const double rest = std::max(squares / weights, noise * noise);
+    const double criterion = n_free * std::log(rest) + parameters * std::log(n_free);
+    if (!spline.control.allFinite() || !(criterion < least)) continue;
+    least = criterion;
+    best = {std::move(spline), rest, parameters};
+  }
+  return best;
+}
+
 Points sampled(const Spline& spline, double t0, double t1, int n) {
   Points points(n + 1, 3);
   for (int i = 0; i <= n; ++i) {
@@ -385,9 +460,11 @@ Stroke prepare_stroke(const Points& points, const StrokeOptions& options) {
                       "draw a stroke with two different points or more");
   Stroke stroke;
   stroke.points = without_repeats(points, 1e-12 * extent);
-  stroke.noise = estimate_noise(stroke.points);
+  stroke.noise = estimate_noise(stroke.points).deviation;
   stroke.points = without_repeats(thinned(stroke.points, stroke.noise > 1e-5 * extent), 1e-12 * extent);
-  stroke.noise = estimate_noise(stroke.points);
+  const Noise noise = estimate_noise(stroke.points);
+  stroke.noise = noise.deviation;
+  stroke.is_by_hand = noise.is_random;
 
   const double gap = (stroke.points.row(0) - stroke.points.row(stroke.points.rows() - 1)).norm();
   stroke.length = arc_lengths(stroke.points).back();
@@ -435,7 +512,230 @@ Stroke prepare_stroke(const Points& points, const StrokeOptions& options) {
   return stroke;
 }
 
-FittedStroke fit_stroke(const Stroke& stroke, const std::vector<HeldPoint>& held) {
+namespace {
+
+/// Noise of this share of the length is that of a hand or a device.
+bool is_noisy(const Stroke& stroke) {
+  return std::sqrt(3.0) * 0.8 * stroke.noise > kFitError * stroke.length;
+}
+
+/// Offsets at places of a stroke, and between them a share of each without overshoot.
+Points offsets_along(const Stroke& stroke, const std::vector<Sample>& offsets) {
+  Spline field;
+  field.periodic = stroke.closed;
+  field.offsets = offsets;
+  const std::vector<double> arcs = stroke.arcs();
+  Points result(stroke.points.rows(), 3);
+  for (Index i = 0; i < result.rows(); ++i)
+    result.row(i) = field.offset_at(arcs[static_cast<size_t>(i)] / arcs.back()).transpose();
+  return result;
+}
+
+/// A neat stroke that goes through its held points. @param held gets the arcs that they then have.
+Stroke through_held(Stroke stroke, std::vector<HeldPoint>& held) {
+  const ArcWalk walk(stroke);
+  const double length = walk.length();
+  std::vector<Sample> offsets;
+  for (const HeldPoint& hold : held)
+    offsets.push_back({hold.arc / length, 1, hold.position - walk.at(hold.arc)});
+  const auto is_off = [&](const Sample& offset) { return offset.point.norm() > kFitError * length; };
+  if (std::none_of(offsets.begin(), offsets.end(), is_off)) return stroke;
+  // Rows at the held points, so that their arcs are known afterwards.
+  const std::vector<double> arcs = stroke.arcs();
+  std::vector<std::pair<double, int>> order;  // arc, row of the stroke or ~held
+  for (Index i = 0; i < stroke.points.rows(); ++i)
+    order.emplace_back(arcs[static_cast<size_t>(i)], static_cast<int>(i));
+  for (size_t k = 0; k < held.size(); ++k) order.emplace_back(held[k].arc, ~static_cast<int>(k));
+  std::stable_sort(order.begin(), order.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  const Points moved = stroke.points + offsets_along(stroke, offsets);
+  const double least_step = 1e-3 * length / static_cast<double>(stroke.points.rows());
+  Stroke result = stroke;
+  result.points.resize(static_cast<Index>(order.size()), 3);
+  result.corners.clear();
+  std::vector<Index> row_of_held(held.size());
+  Index n = 0;
+  double last = -1;
+  bool last_is_held = false;
+  for (const auto& [arc, what] : order) {
+    const bool is_held = what < 0;
+    const bool is_corner = !is_held && std::count(stroke.corners.begin(), stroke.corners.end(), what) > 0;
+    if (n > 0 && arc - last <= least_step && !(is_held && last_is_held)) {  // one row for both
+      if (is_held) {
+        result.points.row(n - 1) = held[static_cast<size_t>(~what)].position.transpose();
+        row_of_held[static_cast<size_t>(~what)] = n - 1;
+        last_is_held = true;
+      }
+      if (is_corner) result.corners.push_back(static_cast<int>(n - 1));
+      continue;
+    }
+    if (is_corner) result.corners.push_back(static_cast<int>(n));
+    if (is_held) row_of_held[static_cast<size_t>(~what)] = n;
+    result.points.row(n++) =
+        is_held ? held[static_cast<size_t>(~what)].position.transpose() : moved.row(what).eval();
+    last = arc;
+    last_is_held = is_held;
+  }
+  result.points.conservativeResize(n, 3);
+  const std::vector<double> new_arcs = result.arcs();
+  result.length = new_arcs.back();
+  for (size_t k = 0; k < held.size(); ++k) {
+    const bool at_end = !stroke.closed && row_of_held[k] + 1 == n;
+    held[k].arc = at_end ? result.length : new_arcs[static_cast<size_t>(row_of_held[k])];
+  }
+  return result;
+}
+
+}  // namespace
+
+namespace {
+
+/// A stroke in parts from corner to corner, each a free spline.
+class NeatParts {
+ public:
+  explicit NeatParts(const Stroke& stroke)
+      : stroke_(stroke), arcs_(stroke.arcs()), n_(stroke.points.rows()), corners_(stroke.corners) {
+    choose();
+  }
+
+  /// Takes away corners that the Bayesian information criterion does without, one by one.
+  void drop_doubtful_corners() {
+    while (!corners_.empty()) {
+      const double now = criterion();
+      double least = now;
+      size_t best = corners_.size();
+      const std::vector<int> all = corners_;
+      for (size_t k = 0; k < all.size(); ++k) {
+        corners_ = all;
+        corners_.erase(corners_.begin() + static_cast<std::ptrdiff_t>(k));
+        choose();
+        if (const double without = criterion(); without < least) {
+          least = without;
+          best = k;
+        }
+      }
+      corners_ = all;
+      if (best < all.size()) corners_.erase(corners_.begin() + static_cast<std::ptrdiff_t>(best));
+      choose();
+      if (best == all.size()) return;
+    }
+  }
+
+  /// The parts joined half way where they meet.
+  Stroke joined() const {
+    std::vector<Spline> splines;
+    for (const auto& range : ranges_) splines.push_back(fit_of(range).spline);
+    const size_t n_parts = splines.size();
+    std::vector<std::array<Vector3d, 2>> ends;
+    for (const Spline& spline : splines) ends.push_back({spline.at(0), spline.at(1)});
+    for (size_t b = 0; b < n_parts && !is_periodic(); ++b) {
+      const bool joins_before = b > 0 || stroke_.closed, joins_after = b + 1 < n_parts || stroke_.closed;
+      Vector3d at_start = Vector3d::Zero(), at_end = Vector3d::Zero();
+      if (joins_before) at_start = (ends[(b + n_parts - 1) % n_parts][1] - ends[b][0]) / 2;
+      if (joins_after) at_end = (ends[(b + 1) % n_parts][0] - ends[b][1]) / 2;
+      splines[b].offsets = {{0, 1, at_start}, {1, 1, at_end}};
+    }
+    Stroke neat = stroke_;
+    neat.is_neat = true;
+    neat.noise = 0;
+    neat.corners.clear();
+    std::vector<Vector3d> rows;
+    constexpr Index kLeastRows = 24;
+    for (size_t b = 0; b < n_parts; ++b) {
+      if (!is_periodic() && (b > 0 || stroke_.closed)) neat.corners.push_back(static_cast<int>(rows.size()));
+      const Index count =
+          std::max(ranges_[b].second - ranges_[b].first, is_periodic() ? 4 * kLeastRows : kLeastRows);
+      for (Index k = 0; k < count; ++k)
+        rows.push_back(splines[b].at(static_cast<double>(k) / static_cast<double>(count)));
+    }
+    if (!stroke_.closed) rows.push_back(splines.back().at(1));
+    neat.points.resize(static_cast<Index>(rows.size()), 3);
+    for (size_t k = 0; k < rows.size(); ++k) neat.points.row(static_cast<Index>(k)) = rows[k].transpose();
+    neat.length = neat.arcs().back();
+    return neat;
+  }
+
+ private:
+  using Range = std::pair<Index, Index>;  // rows, from break to break; a closed stroke comes round
+
+  bool is_periodic() const { return stroke_.closed && corners_.empty(); }
+  double arc_of(Index row) const {
+    if (row < 0) return arcs_[static_cast<size_t>(row + n_)] - stroke_.length;
+    return row < n_ ? arcs_[static_cast<size_t>(row)] : arcs_[static_cast<size_t>(row - n_)] + stroke_.length;
+  }
+
+  void choose() {
+    std::vector<Index> breaks(corners_.begin(), corners_.end());
+    if (!stroke_.closed) {
+      breaks.insert(breaks.begin(), 0);
+      breaks.push_back(n_ - 1);
+    } else if (breaks.empty()) {
+      breaks = {0, n_};
+    } else {
+      breaks.push_back(breaks.front() + n_);
+    }
+    ranges_.clear();
+    for (size_t b = 0; b + 1 < breaks.size(); ++b) {
+      ranges_.emplace_back(breaks[b], breaks[b + 1]);
+      const std::pair key(ranges_.back(), is_periodic());
+      if (fits_.count(key) == 0) fits_[key] = fit(ranges_.back());
+    }
+  }
+
+  const FreeFit& fit_of(const Range& range) const { return fits_.at({range, is_periodic()}); }
+
+  FreeFit fit(const Range& range) const {
+    const auto [first, last] = range;
+    const bool periodic = is_periodic();
+    // What was smoothed is round at corners: the parts go on straight to them instead.
+    constexpr Index kRowsOfCorner = 2, kLeastRowsOfPart = 10;
+    const Index clear = last - first >= kLeastRowsOfPart ? kRowsOfCorner : 0;
+    const bool from_corner = !periodic && (first > 0 || stroke_.closed),
+               to_corner = !periodic && (last < n_ - 1 || stroke_.closed);
+    const double start = arc_of(first), span = arc_of(last) - start;
+    std::vector<Sample> samples;
+    for (Index row = first; row <= (periodic ? last - 1 : last); ++row) {
+      if ((from_corner && row < first + clear) || (to_corner && row > last - clear)) continue;
+      const double before = row > first || periodic ? arc_of(row - 1) : arc_of(row);
+      const double after = row < last ? arc_of(row + 1) : arc_of(row);
+      samples.push_back(
+          {(arc_of(row) - start) / span, (after - before) / (2 * span), stroke_.points.row(row % n_)});
+    }
+    return likeliest_spline(samples, periodic, stroke_.noise);
+  }
+
+  double criterion() const {
+    double squares = 0, parameters = 0;
+    for (const Range& range : ranges_) {
+      const FreeFit& part = fit_of(range);
+      squares += part.rest * (arc_of(range.second) - arc_of(range.first));
+      parameters += part.parameters;
+    }
+    parameters += kParametersOfCorner * static_cast<double>(corners_.size());
+    const double n_free = free_samples(n_);
+    return n_free * std::log(squares / stroke_.length) + parameters * std::log(n_free);
+  }
+
+  const Stroke& stroke_;
+  std::vector<double> arcs_;
+  Index n_;
+  std::vector<int> corners_;
+  std::vector<Range> ranges_;
+  std::map<std::pair<Range, bool>, FreeFit> fits_;  // whether it is periodic
+};
+
+}  // namespace
+
+Stroke neat_stroke(const Stroke& stroke) {
+  if (!stroke.is_by_hand || !is_noisy(stroke)) return stroke;
+  NeatParts parts(stroke);
+  parts.drop_doubtful_corners();
+  return parts.joined();
+}
+
+FittedStroke fit_stroke(const Stroke& drawn, const std::vector<HeldPoint>& places) {
+  std::vector<HeldPoint> held = places;
+  const Stroke stroke = drawn.is_neat ? through_held(drawn, held) : drawn;
   const std::vector<double> arcs = stroke.arcs();
   const double length = arcs.back();
   // Noise is that of one coordinate of three.

@@ -26,6 +26,9 @@ struct Stroke {
       corners;       ///< rows where the direction jumps, increasing; ends of open strokes not among them
   double noise = 0;  ///< standard deviation of the hand or device per coordinate, estimated
   double length = 0;
+  bool is_by_hand = false;  ///< its noise is random, not the error of few samples
+  /// Free of noise, as by neat_stroke(): held points off it move it smoothly instead of pulling at it.
+  bool is_neat = false;
 
   /// Arc length at each point and, last, the whole length (n + 1 values when closed, n when open).
   std::vector<double> arcs() const;
@@ -55,6 +58,12 @@ struct StrokeOptions {
 /// three.
 Stroke prepare_stroke(const Points& points, const StrokeOptions& options);
 
+/// The same stroke without its tremor: cubic splines from corner to corner, with as many spans as the
+/// Bayesian information criterion grants; corners that it does without are gone. Samples of hands are not
+/// independent: tremor lasts for some hundredths of a stroke, so that it counts as 20 samples at most.
+/// Strokes that are not by hand are left as they are, bit for bit.
+Stroke neat_stroke(const Stroke& stroke);
+
 /// A place of a stroke that must lie at a given point.
 struct HeldPoint {
   double arc = 0;  ///< arc length along the stroke, 0 … length
@@ -65,7 +74,7 @@ struct HeldPoint {
 struct FittedStroke {
   struct Piece {
     Points points;  ///< 17 or more, first and last included
-    /// Index into `held` of the ends, or ~k for corner k of the stroke.
+    /// Index into the held points of the ends, or ~k for corner k of the stroke.
     int from = 0, to = 0;
   };
   /// In order. An open stroke begins and ends at held points; a closed one comes round to its beginning.
@@ -78,10 +87,11 @@ struct FittedStroke {
 /// Weighted constrained least-squares cubic B-splines from corner to corner (H 5.2.1): weights are the share
 /// of the length that a sample stands for, the held points are kept exactly, and the number of spans doubles
 /// until the rest is no more than the noise. Sampled finely enough that chords stay within 1e-5 of the
-/// length.
-/// @param held increasing in arc. Open strokes: the first at 0 and the last at the length. Closed strokes
+/// length. A neat stroke is moved onto its held points first, by as much as each lies off it and by a smooth
+/// share of that between one and the next.
+/// @param places increasing in arc. Open strokes: the first at 0 and the last at the length. Closed strokes
 /// without corners: at least one.
-FittedStroke fit_stroke(const Stroke& stroke, const std::vector<HeldPoint>& held);
+FittedStroke fit_stroke(const Stroke& drawn, const std::vector<HeldPoint>& places);
 
 /// Where a stroke meets itself: the first pair of places within `distance` whose way along the stroke is more
 /// than eight times that.

@@ -8,6 +8,7 @@
 #include <Eigen/LU>
 
 #include "batten/core/text.hpp"
+#include "batten/curves/polyline.hpp"
 #include "batten/sketch/tools_detail.hpp"
 
 namespace batten {
@@ -122,7 +123,7 @@ double snap_or_default(const PolylineMesh& mesh, const Points& stroke, const Ins
   if (!(options.sharpness >= 0 && options.sharpness <= 1))
     throw RefusedEdit(concat("the sharpness is ", options.sharpness),
                       "give a value from 0 (smooth) to 1 (sharp)");
-  return options.snap > 0 ? options.snap : default_snap(mesh, stroke);
+  return options.snap > 0 ? options.snap : options.snap_factor * default_snap(mesh, stroke);
 }
 
 Stroke ready_stroke(const DrawnStroke& drawn, double snap, bool may_close) {
@@ -130,7 +131,7 @@ Stroke ready_stroke(const DrawnStroke& drawn, double snap, bool may_close) {
   options.closed = drawn.closed;
   options.recognise_loops = may_close;
   options.snap = snap;
-  Stroke stroke = prepare_stroke(drawn.points, options);
+  const Stroke stroke = neat_stroke(prepare_stroke(drawn.points, options));
   const SelfContact self = self_contact(stroke, 0.25 * snap);
   if (self.found)
     throw RefusedEdit(concat("the stroke meets itself near (", text_of_length(self.place.x()), ", ",
@@ -138,6 +139,73 @@ Stroke ready_stroke(const DrawnStroke& drawn, double snap, bool may_close) {
                              ") at a distance of ", text_of_length(self.distance)),
                       "draw it as several strokes that do not cross themselves");
   return stroke;
+}
+
+double reach_of(const PolylineMesh& mesh, const Stroke& stroke, double factor) {
+  return std::min(factor * default_snap(mesh, stroke.points), 0.25 * stroke.length);
+}
+
+namespace {
+
+/// The end of a stroke that reaches_stroke() makes.
+Stroke with_reaching_end(const PolylineMesh& mesh, const Stroke& stroke, double reach,
+                         const std::function<bool(int)>& may_end) {
+  constexpr double kAlong = 0.5;       // what a place along the stroke costs, of one as far beside it
+  constexpr double kDirection = 0.05;  // of the length
+  const std::vector<double> arcs = stroke.arcs();
+  const Polyline line(stroke.points);
+  const Eigen::Vector3d tip = line.back();
+  const Eigen::Vector3d heading = (tip - line.at(stroke.length * (1 - kDirection))).stableNormalized();
+  Points around(2, 3);
+  const Stroke tail = part_of(stroke, stroke.length - reach, stroke.length);
+  around = tail.points;
+  constexpr int kSteps = 16;
+  const Eigen::Index n_tail = around.rows();
+  around.conservativeResize(n_tail + kSteps, 3);
+  for (int k = 0; k < kSteps; ++k)
+    around.row(n_tail + k) = (tip + heading * reach * (k + 1) / kSteps).transpose();
+  double least = reach;
+  const Hit* best = nullptr;
+  const std::vector<Hit> hits = find_hits(mesh, Polyline(around), reach);
+  for (const Hit& hit : hits) {
+    if (may_end && !may_end(hit.edge)) continue;
+    const double cost = hit.distance + kAlong * std::abs(hit.arc - reach);
+    if (cost >= least) continue;
+    least = cost;
+    best = &hit;
+  }
+  if (!best || least <= 1e-9 * stroke.length) return stroke;
+  const double along = best->arc - reach;  // of the end; negative: the stroke is cut off
+  Stroke result = along < 0 ? part_of(stroke, 0, stroke.length + along) : stroke;
+  if (along > 0) {
+    const double step = stroke.length / static_cast<double>(stroke.points.rows());
+    const int n = std::max(1, static_cast<int>(std::ceil(along / step)));
+    const Eigen::Index before = result.points.rows();
+    result.points.conservativeResize(before + n, 3);
+    for (int k = 0; k < n; ++k)
+      result.points.row(before + k) = (tip + heading * along * (k + 1) / n).transpose();
+  }
+  result.length = result.arcs().back();
+  result.is_neat = true;
+  const Eigen::Vector3d place = mesh.edge(best->edge).polyline->at(best->edge_arc);
+  const Eigen::Vector3d aside = place - result.points.row(result.points.rows() - 1).transpose();
+  const double blend = std::min(result.length, std::max(10 * aside.norm(), 0.25 * result.length));
+  const std::vector<double> new_arcs = result.arcs();
+  for (Eigen::Index i = 0; i < result.points.rows(); ++i) {
+    const double t = 1 - (result.length - new_arcs[static_cast<size_t>(i)]) / blend;
+    if (t > 0) result.points.row(i) += t * t * (3 - 2 * t) * aside.transpose();
+  }
+  result.length = result.arcs().back();
+  return result;
+}
+
+}  // namespace
+
+Stroke reaching_stroke(const PolylineMesh& mesh, const Stroke& stroke, double reach,
+                       const std::function<bool(int)>& may_end) {
+  if (mesh.empty() || stroke.closed || reach <= 0) return stroke;
+  const Stroke back = with_reaching_end(mesh, stroke, reach, may_end);
+  return reversed_stroke(with_reaching_end(mesh, reversed_stroke(back), reach, may_end));
 }
 
 void require_curve(const PolylineMesh& mesh, int curve) {

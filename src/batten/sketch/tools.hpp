@@ -43,7 +43,9 @@ double default_snap(const PolylineMesh& mesh, const Points& stroke);
 /// one crosses at least one curve. Its pieces over an opening close it.
 struct InsertOptions {
   double snap = 0;  ///< snapping distance to curves and vertices, in the unit of the model; 0: default_snap()
-  double sharpness = 0;  ///< 0 … 1
+  double snap_factor = 1;   ///< times default_snap(), where `snap` is 0
+  double reach_factor = 0;  ///< times default_snap(): how far ends of strokes look for a curve to end on
+  double sharpness = 0;     ///< 0 … 1
   Into into = Into::Auto;
 };
 EditReport insert_curve(PolylineMesh& mesh, const DrawnStroke& stroke, const InsertOptions& options = {});

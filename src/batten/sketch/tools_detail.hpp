@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <unordered_set>
 #include <vector>
 
@@ -9,9 +10,18 @@
 namespace batten::detail {
 
 double snap_or_default(const PolylineMesh& mesh, const Points& stroke, const InsertOptions& options);
-/// prepare_stroke(), and refuses strokes that cross themselves.
+/// prepare_stroke() and neat_stroke(), and refuses strokes that cross themselves.
 /// @param may_close whether a stroke that looks like a loop is one, where its ends are not on each other.
 Stroke ready_stroke(const DrawnStroke& drawn, double snap, bool may_close = false);
+/// An open stroke that reaches for what it begins and ends at: each end goes on straight, is cut off, and
+/// moves aside, with a smooth share of that along the stroke, to the place on the network that is nearest to
+/// the stroke and to its end (what lies along it counts half). Ends for which there is none stay.
+/// @param reach how far from the end such a place may lie, in the unit of the model.
+/// @param may_end whether the stroke may end on an edge; nothing: on any.
+Stroke reaching_stroke(const PolylineMesh& mesh, const Stroke& stroke, double reach,
+                       const std::function<bool(int)>& may_end = {});
+/// How far the ends of a stroke reach: `factor` times the default snap, but no further than a quarter of it.
+double reach_of(const PolylineMesh& mesh, const Stroke& stroke, double factor);
 /// Whether a stroke begins and ends on the network, in two places: then it is open, whatever it looks like.
 bool runs_between_curves(const PolylineMesh& mesh, const DrawnStroke& drawn, double snap);
 /// @throws RefusedEdit unless the curve exists.
