@@ -64,8 +64,9 @@ TEST(RepairCommand, IsTheRemedyThatOtherCommandsName) {
   for (const auto& [name, mesh] : broken) {
     write_file(name + ".off", off(mesh));
     ASSERT_EQ(run_batten("repair " + name + ".off -o mended.off").exit_code, 0) << name;
-    for (const std::string& command : {std::string("fair IN -o out.off --noise 0.1"), std::string("remesh IN -o out.off"),
-                                       std::string("simplify IN -o out.off --remove 20%")}) {
+    for (const std::string& command :
+         {std::string("fair IN -o out.off --noise 0.1"), std::string("remesh IN -o out.off"),
+          std::string("simplify IN -o out.off --remove 20%")}) {
       const auto with = [&](const std::string& path) {
         std::string line = command;
         return line.replace(line.find("IN"), 2, path);

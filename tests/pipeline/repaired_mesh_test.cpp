@@ -79,7 +79,8 @@ TEST(RepairedMesh, ListsHolesThatItWasNotAskedToFill) {
 TEST(RepairedMesh, WeldsAsFarAsItIsTold) {
   const TriangleMesh soup = soup_of(box(2), 1e-3);
   RepairedMeshOptions options;
-  EXPECT_GT(repaired_mesh(soup, options).holes.size(), 1u);  // a thousandth is too much to be taken for a seam
+  EXPECT_GT(repaired_mesh(soup, options).holes.size(),
+            1u);  // a thousandth is too much to be taken for a seam
   options.weld_length = Length{0.01, Length::Kind::Plain};
   EXPECT_TRUE(repaired_mesh(soup, options).topology.is_watertight());
   options.weld_length = Length{0.01, Length::Kind::Relative};
@@ -97,7 +98,8 @@ TEST(RepairedMesh, RefusesBadOptionsAndCancels) {
   options.weld_length = Length{-1, Length::Kind::Plain};
   EXPECT_THROW(repaired_mesh(box(1), options), InvalidInput);
   EXPECT_THROW(repaired_mesh({}), InvalidInput);
-  EXPECT_THROW(repaired_mesh(box(1), {}, Progress([](std::string_view, double) { return false; })), Cancelled);
+  EXPECT_THROW(repaired_mesh(box(1), {}, Progress([](std::string_view, double) { return false; })),
+               Cancelled);
 }
 
 TEST(WeldSoup, WeldsSoupsAndNothingElse) {

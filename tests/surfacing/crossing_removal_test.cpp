@@ -27,7 +27,8 @@ TEST(UncrossedMesh, LeavesAMeshWithoutCrossingsAsItIs) {
   EXPECT_EQ(result.mesh.triangles, mesh.triangles);
 }
 
-// One vertex pulled aside, below the surface and out again: the spot is made anew, and the sphere is whole again.
+// One vertex pulled aside, below the surface and out again: the spot is made anew, and the sphere is whole
+// again.
 TEST(UncrossedMesh, MakesASpotAnew) {
   for (const int vertex : {0, 40, 77}) {
     TriangleMesh mesh = closed_sphere(24);

@@ -114,8 +114,9 @@ TEST(FilledMesh, StaysManifoldOverEveryRim) {
 }
 
 TEST(FilledMesh, Cancels) {
-  EXPECT_THROW(filled_mesh(sphere_with_hole(6, 0.7), {}, Progress([](std::string_view, double) { return false; })),
-               Cancelled);
+  EXPECT_THROW(
+      filled_mesh(sphere_with_hole(6, 0.7), {}, Progress([](std::string_view, double) { return false; })),
+      Cancelled);
 }
 
 }  // namespace

@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <limits>
 #include <numeric>
-#include <unordered_map>
 
 #include "batten/core/error.hpp"
 #include "batten/core/index.hpp"
@@ -23,6 +22,7 @@ constexpr double kReach = 0.2;
 /// Tolerances that are tried unasked, in diameters: from the rounding of double to that of coordinates with
 /// four digits.
 constexpr double kSmallestTolerance = 1e-12, kFirstTolerance = 1e-9, kLargestTolerance = 1e-4;
+constexpr int kDecades = 6;  // from the first to the largest, both included
 /// A larger tolerance is taken where it closes at least this share of what can be closed.
 constexpr double kWorthwhile = 0.02;
 /// Triangles with a smaller angle between them lie on each other: their edges are two borders, no seam.
@@ -49,38 +49,34 @@ std::vector<double> reaches(const Points& positions, const MeshEdges& edges) {
 }
 
 /// Vertices that stand for themselves, found by place. Cells are twice as wide as the tolerance, so that the
-/// eight around the nearest corner hold everything within it.
+/// eight around the nearest corner hold everything within it. Cells that fall into one bucket are only looked
+/// at in vain.
 class Grid {
  public:
-  Grid(const Points& positions, double tolerance)
-      : positions_(positions), width_(std::max(2 * tolerance, std::numeric_limits<double>::min())) {
+  Grid(const Points& positions, double tolerance, size_t n)
+      : positions_(positions),
+        width_(std::max(2 * tolerance, std::numeric_limits<double>::min())),
+        next_(static_cast<size_t>(positions.rows()), -1) {
+    size_t size = 16;
+    while (size < 2 * n) size *= 2;
+    first_.assign(size, -1);
     if (positions.rows() > 0) low_ = positions.colwise().minCoeff();
   }
 
   void insert(int vertex) {
-    const auto cell = cell_of(vertex, 0);
-    const auto [place, fresh] = first_.try_emplace(key(cell), vertex);
-    if (!fresh) {
-      next_.emplace(vertex, place->second);
-      place->second = vertex;
-    }
+    int& first = first_[bucket(cell_of(vertex, 0))];
+    next_[at(vertex)] = first;
+    first = vertex;
   }
 
   template <typename Visit>
   void visit_around(int vertex, Visit visit) const {
     // The cell of the vertex moved back by half a cell, and its upper neighbours.
-    const auto cell = cell_of(vertex, 0.5);
+    const Cell cell = cell_of(vertex, 0.5);
     for (int corner = 0; corner < 8; ++corner) {
-      auto c = cell;
+      Cell c = cell;
       for (size_t k = 0; k < 3; ++k) c[k] += corner >> k & 1;
-      const auto place = first_.find(key(c));
-      if (place == first_.end()) continue;
-      for (int v = place->second;;) {
-        visit(v);
-        const auto next = next_.find(v);
-        if (next == next_.end()) break;
-        v = next->second;
-      }
+      for (int v = first_[bucket(c)]; v >= 0; v = next_[at(v)]) visit(v);
     }
   }
 
@@ -94,32 +90,30 @@ class Grid {
           static_cast<std::int64_t>(std::floor((positions_(vertex, k) - low_(k)) / width_ - back));
     return cell;
   }
-  /// Cells that share a key are only looked at in vain.
-  static std::uint64_t key(const Cell& cell) {
+  size_t bucket(const Cell& cell) const {
     std::uint64_t hash = 0x9E3779B97F4A7C15ull;
     for (const std::int64_t value : cell) {
       hash = (hash ^ static_cast<std::uint64_t>(value)) * 0xD6E8FEB86659FD93ull;
       hash ^= hash >> 32;
     }
-    return hash;
+    return static_cast<size_t>(hash) & (first_.size() - 1);
   }
 
   const Points& positions_;
   double width_;
   Eigen::RowVector3d low_ = Eigen::RowVector3d::Zero();
-  std::unordered_map<std::uint64_t, int> first_;
-  std::unordered_map<int, int> next_;
+  std::vector<int> first_;  // per bucket
+  std::vector<int> next_;   // per vertex: the one before it in its bucket, or −1
 };
 
 /// Welds the chosen vertices. @param reach per vertex, or empty for no limit but the tolerance.
-VertexWelding weld(const Points& positions, const std::vector<char>& chosen, double tolerance,
-                   const std::vector<double>& reach) {
+VertexWelding weld(const Points& positions, const std::vector<int>& place, const std::vector<char>& chosen,
+                   double tolerance, const std::vector<double>& reach) {
   VertexWelding welding;
   welding.tolerance = tolerance;
   const auto n = static_cast<int>(positions.rows());
   welding.vertex_of.resize(static_cast<size_t>(n));
   std::iota(welding.vertex_of.begin(), welding.vertex_of.end(), 0);
-  const std::vector<int> place = places_of_vertices(positions);
   // Vertices at one place first: what is left is small, and a tolerance of 0 needs no grid.
   std::vector<int> first_at(static_cast<size_t>(n), -1);
   std::vector<int> left;
@@ -135,7 +129,7 @@ VertexWelding weld(const Points& positions, const std::vector<char>& chosen, dou
     }
   }
   if (!(tolerance > 0)) return welding;
-  Grid grid(positions, tolerance);
+  Grid grid(positions, tolerance, left.size());
   for (const int v : left) {
     int nearest = -1;
     double least = tolerance;
@@ -202,25 +196,37 @@ std::vector<int> places_of_vertices(const Points& positions) {
 VertexWelding weld_borders(const Points& positions, const Triangles& triangles, double tolerance) {
   if (!(tolerance >= 0)) throw InvalidInput(concat("the weld tolerance must be at least 0, got ", tolerance));
   const MeshEdges edges = mesh_edges(triangles, positions.rows());
-  return weld(positions, border_vertices(edges, positions.rows()), tolerance, {});
+  return weld(positions, places_of_vertices(positions), border_vertices(edges, positions.rows()), tolerance,
+              {});
 }
 
 VertexWelding weld_borders(const Points& positions, const Triangles& triangles) {
   const MeshEdges edges = mesh_edges(triangles, positions.rows());
   const std::vector<char> chosen = border_vertices(edges, positions.rows());
-  if (std::count(chosen.begin(), chosen.end(), 1) == 0) return weld(positions, chosen, 0, {});
+  const std::vector<int> place = places_of_vertices(positions);
   const std::vector<double> reach = reaches(positions, edges);
   const double diameter = bounding_box_diagonal(positions);
-  VertexWelding best = weld(positions, chosen, kSmallestTolerance * diameter, reach);
-  const VertexWelding most = weld(positions, chosen, kLargestTolerance * diameter, reach);
+  const auto welded_within = [&](double relative) {
+    return weld(positions, place, chosen, relative * diameter, reach);
+  };
+  VertexWelding best = welded_within(kSmallestTolerance);
+  VertexWelding most = welded_within(kLargestTolerance);
   if (most.n_welded == best.n_welded) return best;
   const Eigen::Index open = open_edges(positions, triangles, best),
                      least = open_edges(positions, triangles, most);
   if (least >= open) return best;
+  // By bisection: a larger tolerance never closes less that matters here.
   const double enough = static_cast<double>(least) + kWorthwhile * static_cast<double>(open - least);
-  for (double tolerance = kFirstTolerance; tolerance < 0.5 * kLargestTolerance; tolerance *= 10) {
-    VertexWelding next = weld(positions, chosen, tolerance * diameter, reach);
-    if (static_cast<double>(open_edges(positions, triangles, next)) <= enough) return next;
+  int too_small = 0, decades = kDecades;  // above kFirstTolerance / 10, where the last is kLargestTolerance
+  while (decades - too_small > 1) {
+    const int middle = (too_small + decades) / 2;
+    VertexWelding next = welded_within(kFirstTolerance * std::pow(10, middle - 1));
+    if (static_cast<double>(open_edges(positions, triangles, next)) <= enough) {
+      most = std::move(next);
+      decades = middle;
+    } else {
+      too_small = middle;
+    }
   }
   return most;
 }
