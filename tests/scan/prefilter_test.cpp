@@ -1,9 +1,11 @@
 #include "batten/scan/prefilter.hpp"
 
 #include "scan/scan_fixtures.hpp"
+#include "threads.hpp"
 
 #include <gtest/gtest.h>
 
+#include "batten/core/error.hpp"
 #include "batten/core/random.hpp"
 
 namespace batten {
@@ -71,6 +73,29 @@ TEST(Prefilter, IsExactOnCirclesAlsoAtEndsAndWithFewReadings) {
         EXPECT_LT((samples.curves[c].frames[k] - darboux_frame(point.tangent, point.normal)).norm(), 1e-6);
       }
   }
+}
+
+// A reading takes some 35 µs on one thread: a report at least every 500 readings and samples is one every 20
+// ms.
+TEST(Prefilter, ReportsAsOftenAsThereAreReadingsAndCanBeCancelled) {
+  const test::Threads one(1);
+  SimulateOptions device = test::noisy_device(5);
+  device.step = 0.001;
+  const Scan scan = sphere(device).scan;
+  long n_readings = 0, reports = 0;
+  for (const ScanCurve& curve : scan.curves) n_readings += curve.n_readings();
+  std::vector<std::string> warnings;
+  const Progress count([&](std::string_view, double) { return ++reports > 0; });
+  const std::vector<CleanCurve> clean = clean_readings(scan, {}, warnings, count);
+  EXPECT_GE(500 * reports, n_readings);
+  PrefilterOptions options;
+  options.step = 0.004;
+  reports = 0;
+  const SampledScan samples = resample(scan, clean, options, count);
+  EXPECT_GE(500 * reports, samples.n_samples());
+  const Progress stop([](std::string_view, double) { return false; });
+  EXPECT_THROW(clean_readings(scan, {}, warnings, stop), Cancelled);
+  EXPECT_THROW(resample(scan, clean, options, stop), Cancelled);
 }
 
 }  // namespace

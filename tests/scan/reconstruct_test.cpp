@@ -1,6 +1,9 @@
 #include "batten/scan/reconstruct.hpp"
 
 #include "scan/scan_fixtures.hpp"
+#include "threads.hpp"
+
+#include <set>
 
 #include <gtest/gtest.h>
 
@@ -198,6 +201,32 @@ TEST(NetworkFromScan, RefusesBadOptions) {
   options.lengths = LengthChoice::Estimated;
   options.weights = WeightChoice::Thesis;
   EXPECT_THROW(network_from_scan(scan, options), InvalidInput);
+}
+
+TEST(NetworkFromScan, CanBeCancelledAtEveryReport) {
+  const test::Threads one(1);  // the same reports every time
+  const Scan scan = simulate_scan(trace_shape(AnalyticShape::Sphere), test::noisy_device(6)).scan;
+  for (const WeightChoice weights : {WeightChoice::Auto, WeightChoice::Given}) {
+    ScanOptions options;
+    options.weights = weights;
+    options.mu = 1e-5;
+    long reports = 0;
+    std::set<std::string> stages;
+    const Progress count([&](std::string_view stage, double fraction) {
+      stages.emplace(stage);
+      EXPECT_TRUE(fraction >= 0 && fraction <= 1) << stage << " " << fraction;
+      return ++reports > 0;
+    });
+    network_from_scan(scan, options, count);
+    EXPECT_EQ(stages.count("prefilter") + stages.count("regression") + stages.count("integration"), 3U);
+    const long all = reports;
+    for (const long at : {1L, all / 7, all / 3, all / 2, all - 1}) {
+      reports = 0;
+      const Progress stop([&](std::string_view, double) { return ++reports < at; });
+      EXPECT_THROW(network_from_scan(scan, options, stop), Cancelled) << at << " of " << all;
+      EXPECT_EQ(reports, at);
+    }
+  }
 }
 
 }  // namespace

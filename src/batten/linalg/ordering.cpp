@@ -13,6 +13,12 @@
 
 #include "batten/core/random.hpp"
 
+#ifdef BATTEN_HAS_CHOLMOD  // then there are threads
+#include <memory>
+
+#include "batten/linalg/background_detail.hpp"
+#endif
+
 namespace batten {
 
 namespace {
@@ -454,18 +460,47 @@ double elimination_work(const AdjacencyGraph& graph, const std::vector<int>& ord
 std::vector<int> minimum_degree(const AdjacencyGraph& graph) {
   using Matrix = Eigen::SparseMatrix<double, Eigen::ColMajor, int>;
   const int n = graph.size();
-  std::vector<Eigen::Triplet<double>> entries;
-  entries.reserve(graph.list.size() + n);
-  for (int v = 0; v < n; ++v) {
-    entries.emplace_back(v, v, 1.0);  // Eigen leaves vertices without it to the end
-    for (int e = graph.first[v]; e < graph.first[v + 1]; ++e) entries.emplace_back(v, graph.list[e], 1.0);
-  }
   Matrix matrix(n, n);
-  matrix.setFromTriplets(entries.begin(), entries.end());
+  matrix.reserve(static_cast<Eigen::Index>(graph.list.size() / 2) + n);
+  std::vector<int> column;
+  for (int v = 0; v < n; ++v) {
+    column.assign(1, v);  // Eigen leaves vertices without it to the end
+    for (int e = graph.first[v]; e < graph.first[v + 1]; ++e)
+      if (graph.list[e] > v) column.push_back(graph.list[e]);
+    std::sort(column.begin(), column.end());
+    matrix.startVec(v);
+    for (const int u : column) matrix.insertBack(u, v) = 1;
+  }
+  matrix.finalize();
   Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> permutation;
   Eigen::AMDOrdering<int>()(matrix.selfadjointView<Eigen::Lower>(), permutation);
   return {permutation.indices().data(), permutation.indices().data() + n};
 }
+
+namespace {
+
+/// Large graphs on a thread of their own while this one reports.
+std::vector<int> minimum_degree_with_reports(const AdjacencyGraph& graph, const Progress& progress) {
+#ifdef BATTEN_HAS_CHOLMOD
+  constexpr int kLarge = 50000;  // some 30 ms
+  if (!progress.is_silent() && graph.size() >= kLarge) {
+    const auto copy = std::make_shared<const AdjacencyGraph>(graph);
+    const auto order = std::make_shared<std::vector<int>>();
+    const Progress part = progress.part("ordering", 0, 0.3);
+    linalg_detail::run_in_background(
+        [copy, order] {
+          *order = minimum_degree(*copy);
+          return true;
+        },
+        part);
+    return std::move(*order);
+  }
+#endif
+  progress.report("ordering", 0);
+  return minimum_degree(graph);
+}
+
+}  // namespace
 
 std::vector<int> nested_dissection(const AdjacencyGraph& graph, const Progress& progress) {
   return Dissection(graph, progress).order;
@@ -474,8 +509,7 @@ std::vector<int> nested_dissection(const AdjacencyGraph& graph, const Progress& 
 std::vector<int> fill_reducing_order(const AdjacencyGraph& graph, const Progress& progress) {
   // Curves leave some 40 multiplications per unknown of the joint estimate, a sheet of 17 × 17 curves 840.
   constexpr double kMuchWork = 150;
-  progress.report("ordering", 0);
-  std::vector<int> order = minimum_degree(graph);
+  std::vector<int> order = minimum_degree_with_reports(graph, progress);
   progress.report("ordering", 0.3);
   const double work = elimination_work(graph, order);
   if (work < kMuchWork * graph.size()) return order;

@@ -15,6 +15,8 @@ namespace {
 constexpr double kSubtreeShare = 1.0 / 48;
 /// Chunks of subtrees that the threads take one by one.
 constexpr Eigen::Index kChunks = 64;
+/// Columns of the top between two reports; on sheets one takes up to 0.3 ms.
+constexpr size_t kTopReport = 100;
 /// Below so much work (blocks) threads cost more than they bring.
 constexpr double kParallelWork = 2e4;
 
@@ -85,8 +87,7 @@ BlockLdlt<B>::BlockLdlt(int n, const std::vector<std::pair<int, int>>& joined, s
   order(graph, progress);
   negative_.resize(n_);
   for (int i = 0; i < n_; ++i) negative_[position_[i]] = multiplier.empty() ? 0 : multiplier[i];
-  progress.report("ordering", 0.9);
-  analyse(graph);
+  analyse(graph, progress);
   plan();
   log_pivot_.assign(n_, 0);
   clear();
@@ -96,6 +97,7 @@ template <int B>
 void BlockLdlt<B>::order(const AdjacencyGraph& graph, const Progress& progress) {
   const std::vector<int> order = fill_reducing_order(graph, progress);
   unknown_.resize(n_);
+  progress.report("ordering", 0.8);
   const std::vector<int> places = postorder(elimination_tree(graph, order));
   for (int j = 0; j < n_; ++j) unknown_[j] = order[places[j]];
   position_.resize(n_);
@@ -104,7 +106,8 @@ void BlockLdlt<B>::order(const AdjacencyGraph& graph, const Progress& progress) 
 }
 
 template <int B>
-void BlockLdlt<B>::analyse(const AdjacencyGraph& graph) {
+void BlockLdlt<B>::analyse(const AdjacencyGraph& graph, const Progress& progress) {
+  progress.report("ordering", 0.9);
   // Row i of the factor: all columns on the ways from the entries of the matrix up to i.
   std::vector<int> mark(n_, -1);
   std::vector<int> columns;
@@ -122,6 +125,7 @@ void BlockLdlt<B>::analyse(const AdjacencyGraph& graph) {
     std::sort(columns.begin() + static_cast<std::ptrdiff_t>(begin), columns.end());
     row_first_.push_back(static_cast<int>(columns.size()));
   }
+  progress.report("ordering", 0.95);
   first_.assign(n_ + 1, 0);
   std::partial_sum(count.begin(), count.end(), first_.begin() + 1);
   rows_.resize(first_[n_]);
@@ -189,7 +193,7 @@ void BlockLdlt<B>::upwards(const Body& body, const Progress& progress) const {
       progress);
   const std::unique_ptr<int[]> target(new int[static_cast<size_t>(n_)]);
   for (size_t i = 0; i < top_.size(); ++i) {
-    if (i % 1000 == 0) progress.report("working", 0.5);
+    if (i % kTopReport == 0) progress.report("working", 0.5);
     body(top_[i], target.get());
   }
 }
@@ -199,7 +203,7 @@ template <int B>
 template <typename Body>
 void BlockLdlt<B>::downwards(const Body& body, const Progress& progress) const {
   for (size_t i = top_.size(); i-- > 0;) {
-    if (i % 1000 == 0) progress.report("working", 0.5);
+    if (i % kTopReport == 0) progress.report("working", 0.5);
     body(top_[i]);
   }
   const auto n = static_cast<Eigen::Index>(subtrees_.size());

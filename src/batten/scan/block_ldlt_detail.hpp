@@ -71,7 +71,7 @@ class BlockLdlt {
   };
 
   void order(const AdjacencyGraph& graph, const Progress& progress);
-  void analyse(const AdjacencyGraph& graph);
+  void analyse(const AdjacencyGraph& graph, const Progress& progress);
   void plan();
   bool eliminate(int column, int* target);
   void invert_column(int column);

@@ -137,7 +137,7 @@ void BlockSystem::add_cross(int block, int a, int b, const Matrix3d& K) {
   if (a <= b) add(block, K.transpose());  // a ring of two steps meets itself: both fall on one block
 }
 
-bool BlockSystem::solve(double damping, Eigen::VectorXd& delta) {
+bool BlockSystem::solve(double damping, Eigen::VectorXd& delta, const Progress& progress) {
   std::vector<double> diagonal;
   const auto entry = [&](Eigen::Index i) -> double& { return H_.valuePtr()[H_.outerIndexPtr()[i] + i % 3]; };
   if (damping > 0)
@@ -145,7 +145,7 @@ bool BlockSystem::solve(double damping, Eigen::VectorXd& delta) {
       diagonal.push_back(entry(i));
       entry(i) += damping * std::abs(entry(i));
     }
-  const bool definite = solver_.try_factorize(H_);
+  const bool definite = solver_.try_factorize(H_, progress);
   for (size_t i = 0; i < diagonal.size(); ++i) entry(static_cast<Eigen::Index>(i)) = diagonal[i];
   if (definite) delta = -solver_.solve(gradient_);
   return definite;

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 
+#include "batten/core/progress.hpp"
 #include "batten/linalg/sparse_cholesky.hpp"
 #include "batten/scan/regression.hpp"
 #include "batten/scan/samples.hpp"
@@ -27,7 +28,8 @@ class BlockSystem {
   void add_cross(int block, int a, int b, const Eigen::Matrix3d& K);
 
   /// Solves (H + damping · diag H) δ = −gradient. @return false when that matrix is not positive definite.
-  bool solve(double damping, Eigen::VectorXd& delta);
+  /// @throws Cancelled.
+  bool solve(double damping, Eigen::VectorXd& delta, const Progress& progress = {});
   const Eigen::VectorXd& gradient() const { return gradient_; }
 
  private:

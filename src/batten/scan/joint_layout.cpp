@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <numeric>
 
 #include "batten/scan/joint_layout_detail.hpp"
 
@@ -17,7 +18,7 @@ JointLayout::JointLayout(const SampledScan& scan, double size, const Progress& p
   std::vector<char> multiplier(n_blocks, 0);
   for (const JointSegment& s : segments) multiplier[s.multiplier] = 1;
   multiplier[mean_at] = 1;
-  system = FrameLdlt(n_blocks, joined(), multiplier, progress);
+  system = FrameLdlt(n_blocks, joined(progress), multiplier, progress);
   std::vector<std::pair<int, int>> chain;
   for (const StepPair& p : pairs) chain.emplace_back(p.k, p.l);
   shape = BlockLdlt<1>(static_cast<int>(steps.size()), chain, {}, progress);
@@ -104,7 +105,7 @@ void JointLayout::find_segments(const SampledScan& scan) {
   first_segment.push_back(static_cast<int>(segments.size()));
 }
 
-std::vector<std::pair<int, int>> JointLayout::joined() const {
+std::vector<std::pair<int, int>> JointLayout::joined(const Progress& progress) const {
   std::vector<std::pair<int, int>> list = normals;
   for (const StepPair& p : pairs) {
     const JointStep &k = steps[p.k], &l = steps[p.l];
@@ -125,10 +126,23 @@ std::vector<std::pair<int, int>> JointLayout::joined() const {
   }
   for (int c = 0; c < n_curves; ++c) list.emplace_back(mean_at, scale_at + c);
   // Many of them are named several times.
-  for (auto& [a, b] : list)
+  progress.report("ordering", 0);
+  std::vector<int> first(n_blocks + 1, 0);
+  for (auto& [a, b] : list) {
     if (a < b) std::swap(a, b);
-  std::sort(list.begin(), list.end());
-  list.erase(std::unique(list.begin(), list.end()), list.end());
+    ++first[a + 1];
+  }
+  std::partial_sum(first.begin(), first.end(), first.begin());
+  std::vector<int> others(list.size());
+  std::vector<int> end(first.begin(), first.end() - 1);
+  for (const auto& [a, b] : list) others[end[a]++] = b;
+  progress.report("ordering", 0);
+  list.clear();
+  for (int a = 0; a < n_blocks; ++a) {
+    std::sort(others.begin() + first[a], others.begin() + first[a + 1]);
+    for (int i = first[a]; i < first[a + 1]; ++i)
+      if (i == first[a] || others[i] != others[i - 1]) list.emplace_back(a, others[i]);
+  }
   return list;
 }
 

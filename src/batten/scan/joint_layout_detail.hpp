@@ -69,7 +69,7 @@ struct JointLayout {
   void number(const SampledScan& scan, double size);
   void pair_up(const SampledScan& scan);
   void find_segments(const SampledScan& scan);
-  std::vector<std::pair<int, int>> joined() const;
+  std::vector<std::pair<int, int>> joined(const Progress& progress) const;
   void find_slots();
 };
 

@@ -6,6 +6,7 @@
 #include <Eigen/Dense>
 
 #include "batten/core/error.hpp"
+#include "batten/core/parallel.hpp"
 #include "batten/core/statistics.hpp"
 #include "batten/core/text.hpp"
 #include "batten/core/units.hpp"
@@ -86,15 +87,20 @@ Eigen::Vector3d robust_level(const std::vector<double>& distances, const std::ve
   return level;
 }
 
+/// Readings to each side that a reading is held against.
+constexpr int kNeighbours = 5;
+/// Readings or samples of a chunk, of some 10 µs each.
+constexpr Eigen::Index kGrain = 100;
+
 /// How far every reading lies from a robust line through the readings around it.
 std::vector<Eigen::Vector3d> residuals_to_surroundings(const Eigen::VectorXd& distances,
-                                                       const std::vector<Eigen::Matrix3d>& frames) {
-  constexpr int kReach = 5;
+                                                       const std::vector<Eigen::Matrix3d>& frames,
+                                                       const Progress& progress) {
   const int n = static_cast<int>(frames.size());
   std::vector<Eigen::Vector3d> residuals(n, Eigen::Vector3d::Zero());
-  for (int i = 0; i < n; ++i) {
-    const int begin = std::max(0, i - kReach), end = std::min(n, i + kReach + 1);
-    if (end - begin < 5) continue;
+  const auto one = [&](int i) {
+    const int begin = std::max(0, i - kNeighbours), end = std::min(n, i + kNeighbours + 1);
+    if (end - begin < 5) return;
     // The base is the reading nearest to all others, so that an outlier never is the base.
     int base = begin;
     double least = std::numeric_limits<double>::infinity();
@@ -111,7 +117,13 @@ std::vector<Eigen::Vector3d> residuals_to_surroundings(const Eigen::VectorXd& di
       v.push_back(so3_log(frames[j] * frames[base].transpose()));
     }
     residuals[i] = so3_log(frames[i] * frames[base].transpose()) - robust_level(s, v, distances[i]);
-  }
+  };
+  parallel_for(
+      n, kGrain,
+      [&](Eigen::Index begin, Eigen::Index end) {
+        for (Eigen::Index i = begin; i < end; ++i) one(static_cast<int>(i));
+      },
+      progress);
   return residuals;
 }
 
@@ -259,7 +271,8 @@ Eigen::VectorXd shared_counts(const CleanCurve& curve, const Eigen::VectorXd& pa
 }
 
 /// More steps where the frame would turn by more than 60° within one: the regression needs less than 90°.
-int enough_steps(const Window& window, double from, double to, int steps, const PrefilterOptions& options) {
+int enough_steps(const Window& window, double from, double to, int steps, const PrefilterOptions& options,
+                 const Progress& progress) {
   constexpr double kMostTurn = radians(60.0);
   constexpr int kDoublings = 4;
   for (int doubling = 0; doubling < kDoublings; ++doubling) {
@@ -267,6 +280,7 @@ int enough_steps(const Window& window, double from, double to, int steps, const 
     bool enough = true;
     Eigen::Matrix3d last = frame_at(window, from, options.sigma * h, options.local_linear);
     for (int k = 1; k <= steps && enough; ++k) {
+      if (k % 1000 == 0) progress.report("prefilter", 0.5);
       const Eigen::Matrix3d next = frame_at(window, from + k * h, options.sigma * h, options.local_linear);
       enough = angle_between(last, next) <= kMostTurn;
       last = next;
@@ -284,11 +298,12 @@ constexpr double kSeamCorner = radians(25.0);
 }  // namespace
 
 std::vector<CleanCurve> clean_readings(const Scan& scan, const CleanOptions& options,
-                                       std::vector<std::string>& warnings) {
+                                       std::vector<std::string>& warnings, const Progress& progress) {
   std::vector<std::vector<Eigen::Matrix3d>> frames;
   std::vector<std::vector<char>> outlier;
   for (int c = 0; c < static_cast<int>(scan.curves.size()); ++c) {
     const ScanCurve& curve = scan.curves[c];
+    progress.report("prefilter", 0);
     frames.push_back(reading_frames(curve));
     const int n = static_cast<int>(frames[c].size());
     std::vector<char> marked(n, 0);
@@ -322,12 +337,13 @@ std::vector<CleanCurve> clean_readings(const Scan& scan, const CleanOptions& opt
       residuals[c] = residuals_to_surroundings(
           Eigen::Map<Eigen::VectorXd>(kept_distances.data(),
                                       static_cast<Eigen::Index>(kept_distances.size())),
-          kept_frames);
+          kept_frames, progress.part("prefilter", 0.1, 0.5));
       for (const Eigen::Vector3d& r : residuals[c]) sizes.push_back(r.norm());
     }
     const double sigma = median(sizes) / kMedianOfNorm;
     for (size_t c = 0; c < frames.size(); ++c) {
       const int n = static_cast<int>(residuals[c].size());
+      progress.report("prefilter", 0.5);
       for (int i = 0; i < n; ++i) {
         const double size = residuals[c][i].norm();
         if (size < std::max(5 * sigma, radians(3.0))) continue;
@@ -341,6 +357,7 @@ std::vector<CleanCurve> clean_readings(const Scan& scan, const CleanOptions& opt
   }
   std::vector<CleanCurve> clean;
   for (int c = 0; c < static_cast<int>(scan.curves.size()); ++c) {
+    progress.report("prefilter", 0.5);
     clean.push_back(merged(scan.curves[c], frames[c], outlier[c]));
     if (!(clean.back().counts.array() > 0).any())
       throw InvalidInput(curve_label(scan, c) + ": no reading is left after the removal of outliers");
@@ -368,10 +385,11 @@ double reading_noise(const std::vector<CleanCurve>& curves) {
   return median(sizes) / kMedianOfNorm;
 }
 
-SampledScan resample(const Scan& scan, const std::vector<CleanCurve>& curves,
-                     const PrefilterOptions& options) {
+SampledScan resample(const Scan& scan, const std::vector<CleanCurve>& curves, const PrefilterOptions& options,
+                     const Progress& progress) {
   SampledScan samples;
   for (size_t c = 0; c < curves.size(); ++c) {
+    progress.report("prefilter", static_cast<double>(c) / static_cast<double>(curves.size()));
     const CleanCurve& clean = curves[c];
     SampledCurve curve;
     curve.name = scan.curves[c].name;
@@ -407,7 +425,7 @@ SampledScan resample(const Scan& scan, const std::vector<CleanCurve>& curves,
       const double from = clean.distances[cuts[s]], to = clean.distances[cuts[s + 1]];
       const int fewest = curve.closed && cuts.size() == 2 ? 3 : 1;  // a loop of fewer steps has no area
       int steps = std::max(fewest, static_cast<int>(std::lround((to - from) / options.step)));
-      steps = enough_steps(window, from, to, steps, options);
+      steps = enough_steps(window, from, to, steps, options, progress);
       for (int k = 1; k < steps; ++k) parameters.push_back(from + (to - from) * k / steps);
       parameters.push_back(to);
       sample_of_cut.push_back(static_cast<int>(parameters.size()) - 1);
@@ -421,12 +439,18 @@ SampledScan resample(const Scan& scan, const std::vector<CleanCurve>& curves,
     }
     const int n_samples = static_cast<int>(parameters.size());
     curve.frames.resize(n_samples);
-    for (int k = 0; k < n_samples; ++k) {
+    const auto fit = [&](int k) {
       const double h = k == 0               ? parameters[1] - parameters[0]
                        : k == n_samples - 1 ? parameters[k] - parameters[k - 1]
                                             : 0.5 * (parameters[k + 1] - parameters[k - 1]);
       curve.frames[k] = frame_at(window, parameters[k], options.sigma * h, options.local_linear);
-    }
+    };
+    parallel_for(
+        n_samples, kGrain,
+        [&](Eigen::Index begin, Eigen::Index end) {
+          for (Eigen::Index k = begin; k < end; ++k) fit(static_cast<int>(k));
+        },
+        progress);
     curve.weights = shared_counts(clean, curve.parameters);
     samples.curves.push_back(std::move(curve));
   }

@@ -2,6 +2,7 @@
 #include <string>
 #include <vector>
 
+#include "batten/core/progress.hpp"
 #include "batten/scan/samples.hpp"
 #include "batten/scan/scan.hpp"
 
@@ -31,9 +32,9 @@ struct CleanOptions {
 /// Puts the readings of every curve in order. A scan whose outliers by the thesis's rule exceed a quarter of
 /// a curve is taken as too sparse for that rule, and that curve is kept whole; `warnings` says so. Tangents
 /// keep their direction, normals are made orthogonal to them.
-/// @pre check_scan() has passed.
+/// @pre check_scan() has passed. @throws InvalidInput where a curve has no reading left; Cancelled.
 std::vector<CleanCurve> clean_readings(const Scan& scan, const CleanOptions& options,
-                                       std::vector<std::string>& warnings);
+                                       std::vector<std::string>& warnings, const Progress& progress = {});
 
 /// Standard deviation of one reading about its surroundings, per axis, in radians: from the spread of
 /// readings at one distance and from the second differences along the curves, by the median, so that neither
@@ -55,8 +56,8 @@ struct PrefilterOptions {
 };
 
 /// Resamples cleaned curves. Nodes are samples. Where a step holds fewer readings than the window needs, the
-/// window widens to the readings on both sides, so that no weight vanishes.
-SampledScan resample(const Scan& scan, const std::vector<CleanCurve>& curves,
-                     const PrefilterOptions& options);
+/// window widens to the readings on both sides, so that no weight vanishes. @throws Cancelled.
+SampledScan resample(const Scan& scan, const std::vector<CleanCurve>& curves, const PrefilterOptions& options,
+                     const Progress& progress = {});
 
 }  // namespace batten

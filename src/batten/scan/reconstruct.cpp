@@ -65,7 +65,7 @@ SampledScan jointly(const Scan& scan, const std::vector<CleanCurve>& clean, cons
                     const ScanOptions& options, ScanReport& report, const Progress& progress) {
   PrefilterOptions sampling = prefilter;
   sampling.wrap = false;  // the drift at the start of a closed curve is not the drift at its end
-  const SampledScan samples = resample(scan, clean, sampling);
+  const SampledScan samples = resample(scan, clean, sampling, progress);
   JointOptions joint;
   joint.size = report.size;
   joint.reading_noise = report.reading_noise;
@@ -80,7 +80,7 @@ SampledScan jointly(const Scan& scan, const std::vector<CleanCurve>& clean, cons
     // Of readings that lie closer only a share is taken: each sample is worth as many as at twice the step.
     const double share = 2 * step / coarse.step;
     coarse.sigma *= share;
-    SampledScan fewer = resample(scan, clean, coarse);
+    SampledScan fewer = resample(scan, clean, coarse, progress);
     for (SampledCurve& curve : fewer.curves) curve.weights *= share;
     joint.noise = estimate_jointly(fewer, joint, progress).noise;
   }
@@ -286,14 +286,16 @@ ReconstructionSolver::Readings::Readings(const Scan& given, bool robust, const P
     cleaning = {0, false};
   }
   const Scan& scan = converted ? *converted : given;
-  clean = clean_readings(scan, cleaning, report.warnings);
+  progress.report("prefilter", 0);
+  clean = clean_readings(scan, cleaning, report.warnings, progress);
   for (const CleanCurve& curve : clean) {
     report.outliers.push_back(curve.n_outliers);
     report.n_duplicates += curve.n_duplicates;
   }
   for (const ScanCurve& curve : scan.curves) report.n_readings += curve.n_readings();
   report.reading_noise = reading_noise(clean);
-  const SampledScan samples = resample(scan, clean, PrefilterOptions{});
+  const SampledScan samples = resample(scan, clean, PrefilterOptions{}, progress);
+  progress.report("prefilter", 1);
   const IntegrationResult raw =
       integrate_steps(samples, frame_steps(samples, StepRule::ConstantRate), ClosureForm::FirstDifference);
   report.size = scan_size(raw.positions);
@@ -316,11 +318,13 @@ ReconstructionSolver::ReconstructionSolver(ReconstructionSolver&&) noexcept = de
 ReconstructionSolver& ReconstructionSolver::operator=(ReconstructionSolver&&) noexcept = default;
 
 ReconstructionSolver::Sampling& ReconstructionSolver::sampling(const Readings& readings,
-                                                               const PrefilterOptions& prefilter) {
+                                                               const PrefilterOptions& prefilter,
+                                                               const Progress& progress) {
   if (sampling_ && sampling_->readings == &readings && sampling_->step == prefilter.step &&
       sampling_->sigma == prefilter.sigma)
     return *sampling_;
-  SampledScan samples = resample(readings.converted ? *readings.converted : scan_, readings.clean, prefilter);
+  SampledScan samples =
+      resample(readings.converted ? *readings.converted : scan_, readings.clean, prefilter, progress);
   const bool same_places = sampling_ && sampling_->readings == &readings && sampling_->step == prefilter.step;
   if (same_places) {
     sampling_->regression.set_frames(samples);
@@ -328,6 +332,7 @@ ReconstructionSolver::Sampling& ReconstructionSolver::sampling(const Readings& r
     sampling_->samples = std::move(samples);
     return *sampling_;
   }
+  progress.report("regression", 0);
   FrameRegression regression(samples);
   if (last_) regression.start(at_samples(last_->frames, samples), last_->robust_scale);
   sampling_ = std::make_unique<Sampling>(
@@ -347,7 +352,7 @@ void ReconstructionSolver::regress(const Readings& readings, const PrefilterOpti
                                    const ScanOptions& options, bool exact_chords, bool moving,
                                    ScanNetwork& result, const Progress& progress) {
   ScanReport& report = result.report;
-  Sampling& kept = sampling(readings, prefilter);
+  Sampling& kept = sampling(readings, prefilter, progress);
   RegressionOptions regression;
   regression.unit = report.size;
   regression.xi = options.xi;

@@ -133,7 +133,7 @@ class ReconstructionSolver {
   ScanNetwork reconstruct(const ScanOptions& options, bool moving, const Progress& progress);
   void regress(const Readings& readings, const PrefilterOptions& prefilter, const ScanOptions& options,
                bool exact_chords, bool moving, ScanNetwork& result, const Progress& progress);
-  Sampling& sampling(const Readings& readings, const PrefilterOptions& prefilter);
+  Sampling& sampling(const Readings& readings, const PrefilterOptions& prefilter, const Progress& progress);
 
   Scan scan_;
   std::array<std::unique_ptr<Readings>, 2> readings_;  ///< without and with robust cleaning

@@ -81,7 +81,7 @@ struct FrameRegression::State {
     energy.bind(system);
   }
 
-  double step(StageTimes& times);
+  double step(StageTimes& times, const Progress& progress);
   void approach(StageTimes& times, const Progress& progress);
   void settle_scale(StageTimes& times, const Progress& progress);
   bool converge(double tolerance, int max_iterations, StageTimes& times, const Progress& progress);
@@ -103,21 +103,27 @@ struct FrameRegression::State {
 
 /// One step that lowers the energy: Newton's where its matrix is positive definite, else Gauss–Newton's;
 /// damped after a step that raised the energy. @return the largest turn of a frame, radians.
-double FrameRegression::State::step(StageTimes& times) {
+double FrameRegression::State::step(StageTimes& times, const Progress& all) {
   constexpr double kFirstDamping = 1e-4, kNoDamping = 1e-9;
   constexpr int kTrials = 40;
   // Rounding of the sum; and a turn too small for the energy to show it.
   constexpr double kRounding = 1e-12, kSmallTurn = 1e-9;
+  const double done = 0.1 * std::min(iterations, 9);
+  const Progress progress = all.part("regression", done, done);
+  const auto report = [&] { progress.report("regression", 0); };
+  report();
   ++iterations;
   std::optional<ScopedStage> stage(std::in_place, times, "assembly");
   energy.assemble(X, scale, Curvature::Exact, system);
+  report();
   newton = damping == 0;
   bool exact = true;
   const double before = energy.energies(X, scale).energy;
   Eigen::VectorXd delta;
   for (int trial = 0; trial < kTrials; ++trial) {
     stage.emplace(times, "factorisation");
-    if (!system.solve(damping, delta)) {
+    report();
+    if (!system.solve(damping, delta, progress)) {
       newton = false;
       stage.emplace(times, "assembly");
       if (exact) energy.assemble(X, scale, Curvature::GaussNewton, system);
@@ -126,6 +132,7 @@ double FrameRegression::State::step(StageTimes& times) {
       continue;
     }
     stage.emplace(times, "update");
+    report();
     Frames next(X.size());
     double largest = 0;
     for (size_t f = 0; f < X.size(); ++f) {
@@ -150,8 +157,7 @@ double FrameRegression::State::step(StageTimes& times) {
 void FrameRegression::State::approach(StageTimes& times, const Progress& progress) {
   const auto stage = [&](int n_steps) {
     for (int i = 0; i < n_steps; ++i) {
-      progress.report("regression", 0.1 * std::min(iterations, 9));
-      if (step(times) < kStageTurn) break;
+      if (step(times, progress) < kStageTurn) break;
     }
   };
   scale = 0;
@@ -164,11 +170,10 @@ void FrameRegression::State::approach(StageTimes& times, const Progress& progres
 
 void FrameRegression::State::settle_scale(StageTimes& times, const Progress& progress) {
   for (int i = 0; i < kScaleSteps; ++i) {
-    progress.report("regression", 0.1 * std::min(iterations, 9));
     const double last = scale;
     scale = robust_scale_of(energy, X, kRobustDeviations);
     if (std::abs(scale - last) < kScaleTolerance * scale) break;
-    step(times);
+    step(times, progress);
   }
 }
 
@@ -177,8 +182,7 @@ bool FrameRegression::State::converge(double tolerance, int max_iterations, Stag
                                       const Progress& progress) {
   double last = 0;
   while (iterations < max_iterations) {
-    progress.report("regression", 0.1 * std::min(iterations, 9));
-    const double turn = step(times);
+    const double turn = step(times, progress);
     if (stuck || turn < tolerance) return true;
     // The next turn would be about turn² · (turn/last²), and is not taken when that is below the tolerance.
     const bool quadratic = newton && last > 0 && last < kQuadraticTurn && turn < 0.1 * last;
@@ -215,6 +219,7 @@ SampledScan FrameRegression::solve(const RegressionOptions& options, RegressionR
   StageTimes times;
   begin(options, times);
   State& state = *state_;
+  progress.report("regression", 0);
   state.X = state.energy.frames_of(scan_);
   state.scale = 0;
   if (options.robust) {
@@ -222,6 +227,7 @@ SampledScan FrameRegression::solve(const RegressionOptions& options, RegressionR
     state.settle_scale(times, progress);
   }
   const bool converged = state.converge(options.tolerance, options.max_iterations, times, progress);
+  progress.report("regression", 1);
   return finish(converged, times, report);
 }
 
@@ -238,9 +244,8 @@ SampledScan FrameRegression::follow(const RegressionOptions& options, Regression
   begin(options, times);
   bool converged = false;
   for (int i = 0; i < kFollowSteps && !converged; ++i) {
-    progress.report("regression", 0.5 * i);
     state.scale = options.robust ? robust_scale_of(state.energy, state.X, kRobustDeviations) : 0;
-    converged = state.step(times) < kFollowTurn;
+    converged = state.step(times, progress) < kFollowTurn;
   }
   return finish(converged, times, report);
 }
