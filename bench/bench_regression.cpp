@@ -4,11 +4,15 @@
 #include "scan_networks.hpp"
 
 #include <algorithm>
+#include <array>
 #include <ctime>
 
 #include <benchmark/benchmark.h>
 
+#include "batten/core/error.hpp"
 #include "batten/core/units.hpp"
+#include "batten/io/scan_io.hpp"
+#include "batten/scan/convention.hpp"
 #include "batten/scan/joint.hpp"
 #include "batten/scan/prefilter.hpp"
 #include "batten/scan/reconstruct.hpp"
@@ -346,6 +350,97 @@ void automatic_on_sheet(benchmark::State& state) {
   state.counters["of_given"] = automatic_seconds / given_seconds;
 }
 BENCHMARK(automatic_on_sheet)->Arg(1500)->Arg(15000)->Iterations(1)->Unit(benchmark::kMillisecond);
+
+/// A regression with the weights of the thesis (λ = 1, μ = 100 in the unit of the scan, energy as printed) at
+/// the sizes of S table 3.9, with the robust loss and without, beside the time that is printed there, of a
+/// quad-core processor of 2017. Table: 0 lilium, as exported; 1 a cone, simulated.
+void thesis_table(benchmark::State& state) {
+  const bool cone = state.range(0) == 1;
+  Scan scan;
+  if (cone) {
+    SimulateOptions device;
+    device.seed = 1;
+    device.orientation_noise = radians(2);
+    device.drift = radians(1);
+    scan = simulate_scan(trace_shape(AnalyticShape::Cone), device).scan;
+  } else {
+    try {
+      scan = frames_at_samples(read_rawnet(BATTEN_SHARED_DATA "/curves/lilium.rawnet"));
+    } catch (const Error&) {
+      return state.SkipWithError("no public data");
+    }
+  }
+  std::vector<std::string> warnings;
+  const std::vector<CleanCurve> clean = clean_readings(scan, {}, warnings);
+  PrefilterOptions prefilter;
+  prefilter.step = resample(scan, clean, {}).length() / static_cast<double>(state.range(1));
+  const SampledScan samples = resample(scan, clean, prefilter);
+  RegressionOptions options;
+  options.energy = RegressionEnergy::Thesis;
+  options.lambda = 1;
+  options.mu = 100;
+  RegressionReport result;
+  std::array<double, 2> least{1e300, 1e300};
+  for (auto _ : state)
+    for (int round = 0; round < 5; ++round)
+      for (const bool robust : {false, true}) {
+        options.robust = robust;
+        least[robust ? 1 : 0] = std::min(
+            least[robust ? 1 : 0],
+            seconds_of([&] { benchmark::DoNotOptimize(regress_frames(samples, options, &result)); }));
+        state.counters[robust ? "robust_steps" : "steps"] = result.iterations;
+      }
+  report(state, samples);
+  state.counters["ms"] = 1e3 * least[0];
+  state.counters["robust_ms"] = 1e3 * least[1];
+  state.counters["of_printed"] = 1e3 * least[0] / static_cast<double>(state.range(2));
+  state.counters["robust_of_printed"] = 1e3 * least[1] / static_cast<double>(state.range(2));
+}
+BENCHMARK(thesis_table)
+    ->Args({0, 96, 51})
+    ->Args({0, 196, 113})
+    ->Args({0, 382, 234})
+    ->Args({0, 742, 439})
+    ->Args({0, 1416, 788})
+    ->Args({1, 205, 176})
+    ->Args({1, 398, 328})
+    ->Args({1, 783, 618})
+    ->Args({1, 1553, 1169})
+    ->Args({1, 3094, 2779})
+    ->Iterations(1)
+    ->Unit(benchmark::kMillisecond);
+
+/// Lilium, as exported, at 1,453 samples: whole networks with automatic and with given weights.
+void lilium(benchmark::State& state) {
+  Scan scan;
+  try {
+    scan = read_rawnet(BATTEN_SHARED_DATA "/curves/lilium.rawnet");
+  } catch (const Error&) {
+    return state.SkipWithError("no public data");
+  }
+  ScanOptions options;
+  double length = 0;
+  for (const ScanCurve& curve : scan.curves) length += curve.distances[curve.n_readings() - 1];
+  options.step = Length{length / static_cast<double>(state.range(0)), Length::Kind::Plain};
+  ScanOptions given = options;
+  given.weights = WeightChoice::Given;
+  double automatic_seconds = 1e300, given_seconds = 1e300;
+  ScanNetwork network;
+  for (auto _ : state)
+    for (int round = 0; round < 5; ++round) {
+      automatic_seconds =
+          std::min(automatic_seconds, seconds_of([&] { network = network_from_scan(scan, options); }));
+      given.lambda = network.report.lambda;
+      given.mu = network.report.mu;
+      given_seconds = std::min(given_seconds,
+                               seconds_of([&] { benchmark::DoNotOptimize(network_from_scan(scan, given)); }));
+    }
+  report(state, network.samples);
+  state.counters["automatic_ms"] = 1e3 * automatic_seconds;
+  state.counters["given_ms"] = 1e3 * given_seconds;
+  state.counters["of_given"] = automatic_seconds / given_seconds;
+}
+BENCHMARK(lilium)->Arg(1453)->Iterations(1)->Unit(benchmark::kMillisecond);
 
 /// Twenty positions of a slider for μ, followed by a kept solver, beside one cold regression and one network
 /// from nothing at its first position, all robust. Medians, so that a disturbed step does not count.

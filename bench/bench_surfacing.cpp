@@ -13,7 +13,11 @@
 
 #include <benchmark/benchmark.h>
 
+#include "batten/core/units.hpp"
 #include "batten/operators/laplacian.hpp"
+#include "batten/scan/reconstruct.hpp"
+#include "batten/simulation/shapes.hpp"
+#include "batten/simulation/simulate.hpp"
 #include "batten/surfacing/surface.hpp"
 
 namespace batten {
@@ -171,6 +175,45 @@ void BM_Moves(benchmark::State& state) {
   state.counters["dragged/whole"] = dragged / whole;
 }
 
+/// From a slider for μ to the surface: twenty positions, each followed by a kept regression of the scan of a
+/// torus and a kept surface of its network. Medians.
+void BM_SliderToSurface(benchmark::State& state) {
+  SimulateOptions device;
+  device.seed = 1;
+  device.orientation_noise = radians(2);
+  device.drift = radians(1);
+  device.step = 0.002;
+  const double step = 1e-4 * static_cast<double>(state.range(0));
+  ReconstructionSolver scan(simulate_scan(trace_shape(AnalyticShape::Torus), device).scan);
+  ScanOptions options;
+  options.weights = WeightChoice::Given;
+  options.mu = 1e-6;
+  options.step = Length{step, Length::Kind::Relative};
+  std::vector<double> followed, moved;
+  for (auto _ : state) {
+    ScanNetwork network = scan.solve(options);
+    SurfaceSolver surface(network.network);
+    state.counters["samples"] = network.samples.n_samples();
+    state.counters["triangles"] = static_cast<double>(surface.result().mesh.triangles.rows());
+    for (int i = 0; i < 21; ++i) {
+      options.mu *= 1.1;
+      const double follow = milliseconds([&] { network = scan.follow(options); });
+      const double move =
+          milliseconds([&] { surface.move(network.network.positions, network.network.normals); });
+      if (i == 0) continue;  // makes the factors
+      followed.push_back(follow);
+      moved.push_back(move);
+    }
+  }
+  const auto median = [](std::vector<double> values) {
+    std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
+    return values[values.size() / 2];
+  };
+  state.counters["follow_ms"] = median(followed);
+  state.counters["move_ms"] = median(moved);
+  state.counters["step_ms"] = median(followed) + median(moved);
+}
+
 #define SIZES ->Arg(10000)->Arg(100000)->Arg(1000000)->Unit(benchmark::kMillisecond)
 BENCHMARK(BM_WholeSurface) SIZES;
 BENCHMARK(BM_FactoriseAndSolve) SIZES;
@@ -178,6 +221,8 @@ BENCHMARK(BM_BackSubstitution) SIZES;
 BENCHMARK(BM_BackSubstitutionInTurn) SIZES;
 BENCHMARK(BM_Resolve) SIZES;
 // Edges per side that give some 15,000, 50,000 and 60,000 triangles.
+// Steps in parts of 10,000 of the size.
+BENCHMARK(BM_SliderToSurface)->Arg(155)->Iterations(1)->Unit(benchmark::kMillisecond);
 BENCHMARK(BM_Moves)->Arg(8)->Arg(15)->Arg(16)->Iterations(1)->Unit(benchmark::kMillisecond);
 
 }  // namespace

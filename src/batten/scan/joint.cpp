@@ -16,14 +16,25 @@ namespace batten {
 
 namespace {
 
-/// Frames and positions to begin with: a light regression (half power at 15 % of the size), integrated.
-void start_from_regression(const SampledScan& scan, const JointOptions& options, JointModel& model,
-                           const Progress& progress) {
+/// How an estimate begins.
+enum class JointStart {
+  /// A light regression (half power at 15 % of the size) and its trust: what lies far from it has little say.
+  Smooth,
+  /// One that hardly smooths (1.5 %), and all samples trusted: for objects that turn so fast that the other
+  /// takes
+  /// their shape for a disturbance.
+  Readings,
+};
+
+/// Frames and positions to begin with: a regression, integrated.
+void start_from_regression(const SampledScan& scan, const JointOptions& options, JointStart start,
+                           JointModel& model, const Progress& progress) {
+  const bool smoothed = start == JointStart::Smooth;
   RegressionOptions regression;
   regression.unit = options.size;
-  regression.mu = std::pow(0.15 / (2 * kPi), 4);
+  regression.mu = std::pow((smoothed ? 0.15 : 0.015) / (2 * kPi), 4);
   regression.xi = 100;
-  regression.robust = options.robust;
+  regression.robust = options.robust && smoothed;
   regression.tolerance = 1e-6;
   // A smooth seam is one frame to the regression, which reads it once: from both ends alike, so that the
   // result does not depend on the direction of the curve.
@@ -43,6 +54,7 @@ void start_from_regression(const SampledScan& scan, const JointOptions& options,
     trust = report.trust[c];
     if (scan.curves[c].smooth_seam) trust[trust.size() - 1] = trust[0];
   }
+  progress.report("regression", 1);
   const IntegrationResult placed =
       integrate_steps(smooth, frame_steps(smooth, StepRule::ConstantRate), ClosureForm::FirstDifference);
   state.nodes = placed.positions.topRows(layout.n_nodes) / options.size;
@@ -59,7 +71,7 @@ constexpr double kLeastTurn = 1e-6;
 /// Below this turn steps that no longer shrink are rounding: dense samples make stiff systems.
 constexpr double kRoundingTurn = 1e-4;
 
-JointEstimate result_of(const SampledScan& scan, JointModel& model) {
+JointEstimate result_of(const SampledScan& scan, const JointModel& model) {
   const JointLayout& layout = model.layout();
   const JointState& state = model.state();
   JointEstimate estimate;
@@ -77,13 +89,15 @@ JointEstimate result_of(const SampledScan& scan, JointModel& model) {
   return estimate;
 }
 
-}  // namespace
+/// An estimate and what it costs, to be held against another of the same scan.
+struct Attempt {
+  JointEstimate estimate;
+  double cost = 0;
+};
 
-JointEstimate estimate_jointly(const SampledScan& scan, const JointOptions& options,
-                               const Progress& progress) {
-  if (!(options.size > 0)) throw InvalidInput(concat("the size of the scan must be > 0, got ", options.size));
-  JointModel model(scan, options, progress);
-  start_from_regression(scan, options, model, progress);
+Attempt attempt(const SampledScan& scan, const JointOptions& options, JointStart start, JointModel& model,
+                const Progress& progress) {
+  start_from_regression(scan, options, start, model, progress);
   NoiseModel noise = options.noise ? *options.noise : model.prior().centre();
   model.set_normal_deviation(noise.white);
   bool converged = false;
@@ -113,6 +127,7 @@ JointEstimate estimate_jointly(const SampledScan& scan, const JointOptions& opti
       const double turn = model.apply(evaluation.step);
       ++iterations;
       ++evaluations;
+      progress.report("joint estimate", std::min(1.0, iterations / 15.0));
       if (options.robust) model.update_trust(noise.white);
       converged = turn < kLeastTurn || (turn < kRoundingTurn && turn > last && last > 0);
       last = turn;
@@ -120,14 +135,44 @@ JointEstimate estimate_jointly(const SampledScan& scan, const JointOptions& opti
       model.linearize(part());
     }
   }
-  JointEstimate estimate = result_of(scan, model);
+  Attempt result{result_of(scan, model), evidence + model.distrust_cost(noise.white)};
+  JointEstimate& estimate = result.estimate;
   estimate.noise = noise;
   estimate.iterations = iterations;
   estimate.evaluations = evaluations;
   estimate.evidence = evidence;
   estimate.converged = converged;
   estimate.factor_deviation = model.factor_deviation(part());
-  return estimate;
+  return result;
+}
+
+/// Above this share of its samples not trusted the shape of a curve may have been taken for a disturbance.
+constexpr double kSuspiciousShare = 0.01;
+
+/// Whether so many samples of a curve are not trusted that the start may be to blame.
+bool ignores_much(const JointEstimate& estimate) {
+  return std::any_of(estimate.trust.begin(), estimate.trust.end(), [](const Eigen::VectorXd& trust) {
+    return static_cast<double>((trust.array() < 0.25).count()) >
+           kSuspiciousShare * static_cast<double>(trust.size());
+  });
+}
+
+}  // namespace
+
+JointEstimate estimate_jointly(const SampledScan& scan, const JointOptions& options,
+                               const Progress& progress) {
+  if (!(options.size > 0)) throw InvalidInput(concat("the size of the scan must be > 0, got ", options.size));
+  JointModel model(scan, options, progress);
+  Attempt first = attempt(scan, options, JointStart::Smooth, model, progress);
+  if (!options.robust || !ignores_much(first.estimate)) return first.estimate;
+  try {
+    model.reset();
+    Attempt second = attempt(scan, options, JointStart::Readings, model, progress);
+    if (second.cost < first.cost) return second.estimate;
+  } catch (const SolverFailure&) {
+    // The first stands.
+  }
+  return first.estimate;
 }
 
 }  // namespace batten

@@ -34,11 +34,7 @@ double inner(const Matrix3d& a, const Matrix3d& b) {
 
 JointModel::JointModel(const SampledScan& scan, const JointOptions& options, const Progress& progress)
     : scan_(scan), options_(options), prior_(options), layout_(scan, options.size, progress) {
-  state_.X.assign(layout_.n_frames, Matrix3d::Identity());
-  state_.drift.setZero(layout_.n_samples, 3);
-  state_.nodes.setZero(layout_.n_nodes, 3);
-  state_.log_factors.setZero(layout_.n_curves);
-  state_.trust.setOnes(layout_.n_samples);
+  reset();
   data_.resize(layout_.n_samples);
   omega_.resize(layout_.steps.size());
   omega_by_.resize(layout_.steps.size());
@@ -47,6 +43,14 @@ JointModel::JointModel(const SampledScan& scan, const JointOptions& options, con
   reach_.resize(layout_.segments.size());
   misfit_by_.resize(layout_.segments.size());
   for (size_t s = 0; s < misfit_by_.size(); ++s) misfit_by_[s].resize(layout_.segments[s].to_frames.size());
+}
+
+void JointModel::reset() {
+  state_.X.assign(layout_.n_frames, Matrix3d::Identity());
+  state_.drift.setZero(layout_.n_samples, 3);
+  state_.nodes.setZero(layout_.n_nodes, 3);
+  state_.log_factors.setZero(layout_.n_curves);
+  state_.trust.setOnes(layout_.n_samples);
 }
 
 void JointModel::set_normal_deviation(double white) {
@@ -338,8 +342,8 @@ double JointModel::constraint_energy(const Eigen::VectorXd& delta) const {
 }
 
 /// log det of the precision of the rates of turn, of one component; with the shares of its three parts.
-double JointModel::log_determinant_of_shape(const Weights& w, bool with_traces,
-                                            std::array<double, 3>& traces) {
+double JointModel::log_determinant_of_shape(const Weights& w, bool with_traces, std::array<double, 3>& traces,
+                                            const Progress& progress) {
   BlockLdlt<1>& P = layout_.shape;
   P.clear();
   for (const StepPair& pair : layout_.pairs) {
@@ -347,9 +351,9 @@ double JointModel::log_determinant_of_shape(const Weights& w, bool with_traces,
     for (int g = 0; g < 3; ++g) weight += w.shape[g] * pair.weights[g];
     P.add(pair.scalar, BlockLdlt<1>::Block(weight));
   }
-  if (!P.factorize()) throw SolverFailure("prior of the shape", P.size());
+  if (!P.factorize(progress)) throw SolverFailure("prior of the shape", P.size());
   if (with_traces) {
-    P.invert();
+    P.invert(progress);
     traces = {0, 0, 0};
     for (const StepPair& pair : layout_.pairs)
       for (int g = 0; g < 3; ++g)
@@ -360,11 +364,15 @@ double JointModel::log_determinant_of_shape(const Weights& w, bool with_traces,
 
 NoiseEvaluation JointModel::evaluate(const NoiseModel& noise, bool with_slope, const Progress& progress) {
   const Weights w = weights_of_noise(noise);
+  progress.report("working", 0.5);
   assemble(w, progress);
+  progress.report("working", 0.5);
   if (!layout_.system.factorize(progress))
     throw SolverFailure("joint estimate of frames and positions", 3L * layout_.n_blocks);
   NoiseEvaluation result;
+  progress.report("working", 0.5);
   result.step = layout_.system.solve(right_);
+  progress.report("working", 0.5);
   const Moments squares = sum_over_curves([&](int c) { return squares_of_curve(c, w, result.step); });
   double factors = 0;
   for (int c = 0; c < layout_.n_curves; ++c) {
@@ -372,7 +380,7 @@ NoiseEvaluation JointModel::evaluate(const NoiseModel& noise, bool with_slope, c
     factors += e * e;
   }
   std::array<double, 3> shape_traces{};
-  const double shape = log_determinant_of_shape(w, with_slope, shape_traces);
+  const double shape = log_determinant_of_shape(w, with_slope, shape_traces, progress);
   double innovations = -layout_.n_curves * std::log(w.drift);
   for (const double p : w.drift_precision) innovations -= std::log(p);
   const NoisePrior::Coordinates u = prior_.coordinates(noise);
@@ -386,6 +394,7 @@ NoiseEvaluation JointModel::evaluate(const NoiseModel& noise, bool with_slope, c
   if (!with_slope) return result;
 
   layout_.system.invert(progress);
+  progress.report("working", 0.5);
   const Moments traces = sum_over_curves([&](int c) { return traces_of_curve(c, w); });
   double factor_variance = 0;
   for (const FrameLdlt::Slot slot : layout_.scale_slot) factor_variance += layout_.system.inverse(slot)(0, 0);
@@ -428,11 +437,28 @@ double JointModel::apply(const Eigen::VectorXd& step) {
   return largest;
 }
 
+double JointModel::trusted_angle(int curve, int k, double white) const {
+  const double readings = std::max(scan_.curves[curve].weights[k], 1.0);
+  return std::max(kTrustedDeviations * white / std::sqrt(readings), kTrustedAngle);
+}
+
+double JointModel::distrust_cost(double white) const {
+  // The weight of the loss is t = (L²/r²)² beyond L, so that the loss is 2L² − L⁴/r²; t r² = L⁴/r² is
+  // counted.
+  double cost = 0;
+  for (int c = 0; c < layout_.n_curves; ++c)
+    for (int k = 0; k < scan_.curves[c].n_samples(); ++k) {
+      const double limit = trusted_angle(c, k, white);
+      const double trust = state_.trust[layout_.first_sample[c] + k];
+      cost += std::max(scan_.curves[c].weights[k], 0.0) * 2 * limit * limit * (1 - std::sqrt(trust));
+    }
+  return cost / (white * white);
+}
+
 void JointModel::update_trust(double white) {
   for (int c = 0; c < layout_.n_curves; ++c) {
     for (int k = 0; k < scan_.curves[c].n_samples(); ++k) {
-      const double readings = std::max(scan_.curves[c].weights[k], 1.0);
-      const double limit = std::max(kTrustedDeviations * white / std::sqrt(readings), kTrustedAngle);
+      const double limit = trusted_angle(c, k, white);
       const double ratio = limit * limit / std::max(reading_residual(c, k).squaredNorm(), 1e-300);
       state_.trust[layout_.first_sample[c] + k] = ratio >= 1 ? 1 : ratio * ratio;
     }
@@ -444,10 +470,12 @@ Eigen::VectorXd JointModel::factor_deviation(const Progress& progress) {
   std::vector<int> blocks(n);
   for (int c = 0; c < n; ++c) blocks[c] = layout_.scale_at + c;
   layout_.system.invert(blocks, progress);
+  progress.report("working", 0.5);
   // About the mean: Var(e_c − m) = Var(e_c) − 2 Cov(e_c, m) + Var(m).
   Eigen::VectorXd mean = Eigen::VectorXd::Zero(3L * layout_.n_blocks);
   for (const int block : blocks) mean[3 * block] = 1.0 / n;
   const Eigen::VectorXd with_mean = layout_.system.solve(mean);
+  progress.report("working", 0.5);
   const double of_mean = mean.dot(with_mean);
   Eigen::VectorXd deviations(n);
   for (int c = 0; c < n; ++c) {

@@ -37,6 +37,9 @@ class JointModel {
 
   const JointLayout& layout() const { return layout_; }
   JointState& state() { return state_; }
+  const JointState& state() const { return state_; }
+  /// Back to where it was made: a state for any start.
+  void reset();
   const NoisePrior& prior() const { return prior_; }
 
   /// The deviation of normals at a node, from the noise of the readings that it starts with.
@@ -50,6 +53,10 @@ class JointModel {
   /// Weights of the robust loss: 1 up to four standard deviations, then falling as the fourth power of the
   /// residual. Below one degree nothing is distrusted: with exact data that would be the error of the steps.
   void update_trust(double white);
+  /// What the robust loss adds to the evidence for the samples that are not trusted: each costs twice the
+  /// square of what is trusted, however far it lies, so that a state that ignores samples can be held against
+  /// one that does not. @pre update_trust(white) has been called for the state.
+  double distrust_cost(double white) const;
   /// Posterior deviations of the factors about their mean. @pre evaluate() has succeeded.
   Eigen::VectorXd factor_deviation(const Progress& progress);
 
@@ -85,7 +92,9 @@ class JointModel {
   template <typename OfCurve>
   Moments sum_over_curves(const OfCurve& of_curve) const;
   double constraint_energy(const Eigen::VectorXd& delta) const;
-  double log_determinant_of_shape(const Weights& weights, bool with_traces, std::array<double, 3>& traces);
+  double log_determinant_of_shape(const Weights& weights, bool with_traces, std::array<double, 3>& traces,
+                                  const Progress& progress);
+  double trusted_angle(int curve, int k, double white) const;
   Eigen::Vector3d reading_residual(int curve, int k) const;
   void linearize_curve(int c);
   void add_pair(const StepPair& pair, const Eigen::Matrix3d& block);

@@ -270,10 +270,11 @@ Eigen::VectorXd shared_counts(const CleanCurve& curve, const Eigen::VectorXd& pa
   return counts;
 }
 
-/// More steps where the frame would turn by more than 60° within one: the regression needs less than 90°.
+/// More steps where the frame would turn by more than 25° within one: the regression needs less than 90°, and
+/// the shape between two samples is taken for an arc.
 int enough_steps(const Window& window, double from, double to, int steps, const PrefilterOptions& options,
                  const Progress& progress) {
-  constexpr double kMostTurn = radians(60.0);
+  constexpr double kMostTurn = radians(25.0);
   constexpr int kDoublings = 4;
   for (int doubling = 0; doubling < kDoublings; ++doubling) {
     const double h = (to - from) / steps;

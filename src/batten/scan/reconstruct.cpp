@@ -349,14 +349,14 @@ ScanNetwork ReconstructionSolver::follow(const ScanOptions& options, const Progr
 }
 
 void ReconstructionSolver::regress(const Readings& readings, const PrefilterOptions& prefilter,
-                                   const ScanOptions& options, bool exact_chords, bool moving,
-                                   ScanNetwork& result, const Progress& progress) {
+                                   const ScanOptions& options, bool exact, bool moving, ScanNetwork& result,
+                                   const Progress& progress) {
   ScanReport& report = result.report;
   Sampling& kept = sampling(readings, prefilter, progress);
   RegressionOptions regression;
   regression.unit = report.size;
   regression.xi = options.xi;
-  if (exact_chords)
+  if (exact)
     report.weights_reason =
         concat("the tangents lead round the loops to within ", report.convention.forward_misfit,
                " of a curve's length: taken as exact, nothing to smooth");
@@ -398,18 +398,19 @@ ScanNetwork ReconstructionSolver::reconstruct(const ScanOptions& options, bool m
     throw InvalidInput(concat("the step ", prefilter.step, " is more than half the size of the scan, ",
                               report.size, "; take a smaller one"));
   const auto [rule, form] = integration_of(options.scheme);
-  // Drawn curves at their own samples: the chords close exactly, so there is no noise to take off them; only
-  // the normals at nodes are made to agree.
-  const bool exact_chords =
-      report.convention.convention == TangentConvention::ToNext && report.convention.forward_misfit >= 0 &&
-      report.convention.forward_misfit < kExactClosure && !options.step &&
-      options.weights == WeightChoice::Auto && options.lengths == LengthChoice::Measured;
+  // Drawn curves: the chords close exactly, so there is no noise to take off them; only the normals at nodes
+  // are made to agree. At their own samples the chords are the steps.
+  const bool exact = report.convention.convention == TangentConvention::ToNext &&
+                     report.convention.forward_misfit >= 0 &&
+                     report.convention.forward_misfit < kExactClosure &&
+                     options.weights == WeightChoice::Auto && options.lengths == LengthChoice::Measured;
+  const bool exact_chords = exact && !options.step;
   {
     const ScopedStage stage(report.times, "regression");
-    if (!exact_chords && options.weights == WeightChoice::Auto && options.energy == RegressionEnergy::Scaled)
+    if (!exact && options.weights == WeightChoice::Auto && options.energy == RegressionEnergy::Scaled)
       result.samples = jointly(scan, readings.clean, prefilter, options, report, progress);
     else
-      regress(readings, prefilter, options, exact_chords, moving, result, progress);
+      regress(readings, prefilter, options, exact, moving, result, progress);
   }
   {
     const ScopedStage stage(report.times, "integration");

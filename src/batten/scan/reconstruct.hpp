@@ -132,7 +132,7 @@ class ReconstructionSolver {
   };
   ScanNetwork reconstruct(const ScanOptions& options, bool moving, const Progress& progress);
   void regress(const Readings& readings, const PrefilterOptions& prefilter, const ScanOptions& options,
-               bool exact_chords, bool moving, ScanNetwork& result, const Progress& progress);
+               bool exact, bool moving, ScanNetwork& result, const Progress& progress);
   Sampling& sampling(const Readings& readings, const PrefilterOptions& prefilter, const Progress& progress);
 
   Scan scan_;
