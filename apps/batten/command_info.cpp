@@ -21,6 +21,7 @@
 #include "batten/mesh/self_intersections.hpp"
 #include "batten/network/diagnosis.hpp"
 #include "batten/operators/mesh_variation.hpp"
+#include "batten/pipeline/repaired_mesh.hpp"
 
 namespace batten::cli {
 
@@ -116,12 +117,19 @@ void add_mesh(const TriangleMesh& mesh, Outcome& outcome) {
   if (mesh.normals.rows() > 0) f["folded_faces"] = folded.size();
   f["self_intersections"] = crossings.size();
   std::vector<std::string> diagnosis = topology.problems;
+  if (TriangleMesh welded = mesh; weld_soup(welded))
+    diagnosis.push_back(concat("every face has vertices of its own, ",
+                               mesh.n_vertices() - welded.n_vertices(),
+                               " too many; batten repair IN -o OUT welds them"));
+  if (topology.is_watertight() && enclosed_volume(mesh.positions, mesh.triangles) < 0)
+    diagnosis.emplace_back("the mesh is inside out; batten repair IN -o OUT turns it over");
   if (topology.n_unused_vertices > 0)
     diagnosis.push_back(
         concat(counted(topology.n_unused_vertices, "vertex belongs", "vertices belong"), " to no face"));
   if (!degenerate.empty())
     diagnosis.push_back(concat(counted(static_cast<long>(degenerate.size()), "face has", "faces have"),
-                               " no area, the first is face ", degenerate[0], "; collapse one of its edges"));
+                               " no area, the first is face ", degenerate[0],
+                               "; batten repair IN -o OUT leaves them out"));
   if (!folded.empty())
     diagnosis.push_back(concat(counted(static_cast<long>(folded.size()), "face points", "faces point"),
                                " against the normals of the vertices, the first is face ", folded[0]));

@@ -119,6 +119,7 @@ TEST(RepairCommand, WeldsSoupsForOtherCommandsWithANote) {
   const auto run = run_batten("remesh soup.off -o even.off --edge 0.3 --json");
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_NE(run.out.find("were welded"), std::string::npos);
+  EXPECT_NE(run_batten("info soup.off").out.find("batten repair IN -o OUT welds them"), std::string::npos);
 }
 
 TEST(RepairCommand, TellsBadUsageFromBadInput) {

@@ -3,6 +3,7 @@
 #include "mesh/broken_shapes.hpp"
 
 #include <limits>
+#include <random>
 
 #include <gtest/gtest.h>
 
@@ -219,6 +220,29 @@ TEST(MendedMesh, CutsOneSidedBandsOpen) {
     EXPECT_EQ(result.mesh.n_vertices(), given.n_vertices() + 2);
     EXPECT_EQ(result.mesh.n_triangles(), given.n_triangles());
   }
+}
+
+// Whatever triangles there are over few vertices: edges with ten of them, pinches, folds, repetitions.
+TEST(MendedMesh, IsManifoldForAnyTriangles) {
+  std::mt19937 random(7);
+  int n_branching = 0;
+  for (int round = 0; round < 200; ++round) {
+    TriangleMesh mesh;
+    const auto n = static_cast<int>(4 + random() % 9);
+    mesh.positions.resize(n, 3);
+    for (int v = 0; v < n; ++v)
+      for (int k = 0; k < 3; ++k)
+        mesh.positions(v, k) =
+            round % 2 == 0 ? static_cast<double>(random() % 3) : static_cast<double>(random()) * 1e-9;
+    mesh.triangles.resize(static_cast<Eigen::Index>(2 + random() % 50), 3);
+    for (Eigen::Index f = 0; f < mesh.n_triangles(); ++f)
+      for (int k = 0; k < 3; ++k)
+        mesh.triangles(f, k) = static_cast<int>(random() % static_cast<unsigned>(n));
+    const MendedMesh result = mended(mesh);
+    n_branching += result.report.branching > 0;
+    expect_sound(result.mesh, concat("round ", round));
+  }
+  EXPECT_GT(n_branching, 100);
 }
 
 TEST(MendedMesh, CarriesNormalsAndValues) {
