@@ -197,7 +197,7 @@ TEST(SketchCommand, MethodV1MakesSurfacesOfAllExampleSessions) {
       const std::string more = name == "bottle" && scheme != "catmull-clark" ? " --approximate" : "";
       const Json json =
           run_json("sketch " + folder + name + ".jsonl -o " + name + "_v1.batten --method v1 --scheme " +
-                   scheme + " --levels 1 --surface " + out + more);
+                   scheme + " --levels 1 --accept-flaws --surface " + out + more);
       EXPECT_EQ(json["surface"]["division"]["flaws"], 0) << name;
       EXPECT_GT(json["surface"]["quads"], 0) << name;
       EXPECT_TRUE(json["seconds"].contains("triquadrification")) << name;
@@ -236,7 +236,12 @@ TEST(SketchCommand, MethodCurvatureMakesSurfacesOfAllExampleSessions) {
 TEST(SketchCommand, FinishedSurfacesThatCrossThemselvesAreToldWithTheirFaces) {
   const std::string session = std::string(BATTEN_EXAMPLES) + "/sessions/bottle.jsonl";
   // One split is too few for half tubes.
-  const Json json = run_json("sketch " + session + " -o told.batten --surface told.ply --splits 1");
+  const std::string arguments =
+      "sketch " + session + " -o told.batten --surface told.ply --splits 1 --method v2";
+  write_file("told.ply", "what was there");
+  EXPECT_EQ(run_batten(arguments).exit_code, 1);
+  EXPECT_EQ(read_file("told.ply"), "what was there");
+  const Json json = run_json(arguments + " --accept-flaws");
   const Json &surface = json["surface"], info = run_json("info told.ply");
   EXPECT_EQ(surface["crossing_pairs"], info["self_intersections"]);
   EXPECT_LE(surface["turned_triangles"].get<int>(), info["folded_faces"].get<int>());

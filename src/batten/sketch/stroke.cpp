@@ -386,6 +386,7 @@ bool leaves_spans_empty(const std::vector<Sample>& samples, int spans) {
 
 /// The one that the criterion prefers. @param noise the least root mean square distance that is believed.
 FreeFit likeliest_spline(const std::vector<Sample>& samples, bool periodic, double noise) {
+  constexpr std::size_t kFewSamples = 8;  // do not tell how they bend: they are nearly straight
   static constexpr std::array<int, 13> kSpans{1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96};
   const double n_free = free_samples(static_cast<Index>(samples.size()));
   FreeFit best;
@@ -396,7 +397,8 @@ FreeFit likeliest_spline(const std::vector<Sample>& samples, bool periodic, doub
     if (std::isfinite(least) &&
         (parameters > 0.6 * static_cast<double>(samples.size()) || leaves_spans_empty(samples, spans)))
       break;
-    Spline spline = least_squares_spline(samples, {}, spans, periodic, 1e-9);
+    Spline spline =
+        least_squares_spline(samples, {}, spans, periodic, samples.size() < kFewSamples ? 1e-2 : 1e-9);
     double squares = 0, weights = 0;
     for (const Sample& sample : samples) {
       squares += sample.weight * (spline.at(sample.t) - sample.point).squaredNorm();
