@@ -111,6 +111,8 @@ Json figures_json(const ModelSurface& surface) {
     figures["quads"] = surface.n_quads;
     figures["last_move"] = surface.last_move;
     figures["not_smoothed"] = faces_json(surface.not_smoothed);
+    figures["filled_as_plates"] = faces_json(surface.filled_as_plates);
+    figures["filled_as_membranes"] = faces_json(surface.filled_as_membranes);
   }
   if (surface.soundness) {
     figures["crossing_pairs"] = surface.soundness->crossing_pairs;

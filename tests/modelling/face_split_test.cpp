@@ -140,5 +140,21 @@ TEST(FaceSplit, FollowsRotationAndScale) {
   EXPECT_NEAR(area(other), 1e6 * area(one), 1e-3);
 }
 
+// Half a cylinder between two half circles has its rectangle, as ever.
+TEST(FaceSplit, PlainHalfTubesAreNotUnrolled) {
+  const int splits = 3, m = 1 << splits;
+  const std::vector<Eigen::Vector2d> corners{{0, 0}, {kPi, 0}, {kPi, 1}, {0, 1}};
+  std::vector<Points> sides;
+  for (size_t k = 0; k < 4; ++k) {
+    Points side(m + 1, 3);
+    for (int i = 0; i <= m; ++i) {
+      const Eigen::Vector2d p = corners[k] + (corners[(k + 1) % 4] - corners[k]) * i / m;
+      side.row(i) << std::cos(p.x()), std::sin(p.x()), p.y();
+    }
+    sides.push_back(side);
+  }
+  EXPECT_FALSE(split_face_into_quads(sides, splits).is_unrolled);
+}
+
 }  // namespace
 }  // namespace batten::detail

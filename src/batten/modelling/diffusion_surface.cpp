@@ -667,6 +667,14 @@ struct EditedSurface::Implementation {
     return true;
   }
 
+  bool is_finite(const FaceSet& region) const {
+    for (const int f : region.list)
+      for (const std::array<int, 4>& quad : faces[at(f)].quads)
+        for (const int v : quad)
+          if (!positions[at(v)].allFinite()) return false;
+    return true;
+  }
+
   /// Refuses what is unsound in the region.
   void require_sound(const FaceSet& region, const PolylineMesh& mesh) {
     const Part parts = part(near_to(region), mesh);
@@ -741,7 +749,7 @@ SurfaceUpdate EditedSurface::update(const PolylineMesh& mesh, const Progress& pr
   }
   {
     const ScopedStage stage(own.last.times, "check");
-    own.require_sound(region, mesh);
+    if (!own.options.keep_folded || !own.is_finite(region)) own.require_sound(region, mesh);
   }
   for (const int f : stale)
     for (const int v : own.faces[at(f)].inner) own.cage[at(v)] = own.positions[at(v)];

@@ -32,6 +32,9 @@ struct DiffusionOptions {
   double similarity = 0.2;
   /// λ of (6.4): how strongly drawn curves hold. 0: they are kept exactly; H uses 1.
   double fidelity = 0;
+  /// Faces that fold or cross others however they are made are left as they are, for whoever checks the
+  /// finished surface; off: the surface is refused.
+  bool keep_folded = false;
 
   /// The first problem found, naming field and value, or nothing.
   std::optional<std::string> problem() const;

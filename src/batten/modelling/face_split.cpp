@@ -106,8 +106,10 @@ PlanePoints cyclic_polygon(const Points& loop, int n_sides) {
 class Splitter {
  public:
   /// @param m segments of each side.
-  Splitter(int n_sides, int m, PlanePoints boundary)
-      : n_sides_(n_sides), m_(m), boundary_(std::move(boundary)) {}
+  /// @param reach over how many of them angles at corners are taken: a side that turns in beside a corner
+  /// makes it concave, although it goes on smoothly there.
+  Splitter(int n_sides, int m, PlanePoints boundary, int reach = 1)
+      : n_sides_(n_sides), m_(m), reach_(reach), boundary_(std::move(boundary)) {}
 
   /// @param widest angle that a concave corner may keep; infinite: the face stays whole.
   FaceSplit run(double widest) {
@@ -260,7 +262,8 @@ class Splitter {
   double angle_at(const std::vector<Chain>& piece, size_t k) const {
     const Chain& next = piece[k];
     const Chain& last = piece[(k + piece.size() - 1) % piece.size()];
-    return angle_between(p(next[1]) - p(next[0]), p(last[last.size() - 2]) - p(next[0]));
+    const auto reach = static_cast<size_t>(reach_);
+    return angle_between(p(next[reach]) - p(next[0]), p(last[last.size() - 1 - reach]) - p(next[0]));
   }
 
   /// From a counter-clockwise to b, 0 to 2π.
@@ -457,7 +460,7 @@ class Splitter {
     for (int v = 0; v < n; ++v) positions_[at(first_inner + v)] = solved.row(v);
   }
 
-  int n_sides_, m_, n_pieces_ = 0;
+  int n_sides_, m_, reach_, n_pieces_ = 0;
   PlanePoints boundary_;
   std::vector<Vector2d> positions_;
   std::vector<std::array<int, 4>> quads_;
@@ -552,6 +555,88 @@ PlanePoints projection_of(const Points& loop) {
   return projected;
 }
 
+/// A polygon in space unrolled: triangulated with the least area [barequet1995], its triangles laid out one
+/// beside the other, which needs no strain as there are no vertices inside. @param rows of the loop.
+PlanePoints unrolled(const Points& loop, const std::vector<Index>& rows) {
+  const int n = static_cast<int>(rows.size());
+  const auto point = [&](int i) -> Vector3d { return loop.row(rows[at(i)]); };
+  std::vector<double> least(static_cast<size_t>(n) * static_cast<size_t>(n), 0);
+  std::vector<int> apex(least.size(), -1);
+  const auto entry = [n](int i, int k) { return static_cast<size_t>(i) * static_cast<size_t>(n) + at(k); };
+  for (int span = 2; span < n; ++span)
+    for (int i = 0; i + span < n; ++i) {
+      const int k = i + span;
+      double best = kWhole;
+      const Vector3d chord = point(k) - point(i);
+      for (int j = i + 1; j < k; ++j) {
+        const double cost = least[entry(i, j)] + least[entry(j, k)] + chord.cross(point(j) - point(i)).norm();
+        if (!(cost < best)) continue;
+        best = cost;
+        apex[entry(i, k)] = j;
+      }
+      least[entry(i, k)] = best;
+    }
+  PlanePoints corners(n, 2);
+  corners.row(0).setZero();
+  corners.row(n - 1) << (point(n - 1) - point(0)).norm(), 0;
+  std::vector<std::pair<int, int>> stack{{0, n - 1}};
+  while (!stack.empty()) {
+    const auto [i, k] = stack.back();
+    stack.pop_back();
+    if (k - i < 2) continue;
+    const int j = apex[entry(i, k)];
+    if (j < 0) return {};
+    const double a = (point(j) - point(i)).norm(), b = (point(j) - point(k)).norm(),
+                 c = (point(k) - point(i)).norm();
+    if (!(c > 0)) return {};
+    const double along = (a * a - b * b + c * c) / (2 * c),
+                 aside = std::sqrt(std::max(a * a - along * along, 0.0));
+    const Eigen::RowVector2d u = (corners.row(k) - corners.row(i)) / c;
+    // What lies between i and k is to the right of the chord from i to k: the loop runs counter-clockwise.
+    corners.row(j) = corners.row(i) + along * u + aside * Eigen::RowVector2d(u.y(), -u.x());
+    stack.emplace_back(i, j);
+    stack.emplace_back(j, k);
+  }
+  PlanePoints polygon(loop.rows(), 2);
+  for (int i = 0; i < n; ++i) {
+    const Index from = rows[at(i)], to = i + 1 < n ? rows[at(i + 1)] : loop.rows();
+    for (Index row = from; row < to; ++row) {
+      const double t = static_cast<double>(row - from) / static_cast<double>(to - from);
+      polygon.row(row) = (1 - t) * corners.row(i) + t * corners.row((i + 1) % n);
+    }
+  }
+  return polygon;
+}
+
+/// The loop of a face that is narrow somewhere, unrolled; empty where it has no need of that: a convex
+/// polygon with sides of the same lengths keeps places apart that lie beside each other at most kMostApart
+/// times.
+PlanePoints unrolled_where_narrow(const std::vector<Points>& sides, const Points& loop) {
+  constexpr Index kMostRows = 128;
+  constexpr double kMostApart = 3;
+  const std::vector<size_t> corners = corners_of_quadrilateral(sides);
+  const int n_sides = static_cast<int>(sides.size());
+  const PlanePoints convex =
+      corners.empty() ? cyclic_polygon(loop, n_sides)
+                      : boundary_over(sides, corners, quadrilateral(lengths_between(sides, corners)));
+  Index stride = 1;
+  while (loop.rows() / stride > kMostRows && (loop.rows() / n_sides) % (2 * stride) == 0) stride *= 2;
+  if (loop.rows() / stride > 2 * kMostRows) return {};
+  std::vector<Index> rows;
+  for (Index row = 0; row < loop.rows(); row += stride) rows.push_back(row);
+  const auto n = rows.size();
+  bool is_narrow = false;
+  for (size_t i = 0; i < n && !is_narrow && convex.rows() > 0; ++i)
+    for (size_t j = i + 2; j < n && !is_narrow; ++j)
+      is_narrow = (convex.row(rows[i]) - convex.row(rows[j])).norm() >
+                  kMostApart * (loop.row(rows[i]) - loop.row(rows[j])).norm();
+  if (!is_narrow) return {};
+  PlanePoints polygon = unrolled(loop, rows);
+  if (polygon.rows() == 0 || !polygon.allFinite() || !is_simple(polygon) || !(area_of(polygon) > 0))
+    return {};
+  return polygon;
+}
+
 FaceSplit lay_out(const std::vector<Points>& sides, int splits) {
   const int n_sides = static_cast<int>(sides.size());
   const Points loop = loop_of(sides);
@@ -574,6 +659,20 @@ FaceSplit lay_out(const std::vector<Points>& sides, int splits) {
       if (best.n_pieces == 1) break;
     }
     best.is_projection = true;
+    if (best_shape > 0) return best;
+  }
+  if (const PlanePoints polygon = unrolled_where_narrow(sides, loop); polygon.rows() > 0) {
+    FaceSplit best;
+    double best_shape = 0;
+    for (const int reach : {1 << splits >> 1, 1})
+      for (const double widest : {kReflexFrom, kWideFrom}) {
+        Splitter splitter(n_sides, 1 << splits, polygon, std::max(reach, 1));
+        FaceSplit split = splitter.run(widest);
+        if (!splitter.is_valid() || !(splitter.shape() > 1.01 * best_shape)) continue;
+        best_shape = splitter.shape();
+        best = std::move(split);
+      }
+    best.is_unrolled = best.is_projection = true;
     if (best_shape > 0) return best;
   }
   // A convex polygon with sides of the same lengths: half a cylinder unrolls to its rectangle.
@@ -609,12 +708,16 @@ std::vector<int> parts_at_concave_corners(const std::vector<Points>& sides) {
   if (const PlanePoints projected = projection_of(loop_of(sides)); projected.rows() > 0)
     parts = Splitter(static_cast<int>(sides.size()), static_cast<int>(sides[0].rows()) - 1, projected)
                 .parts_at_concave_corners();
+  else if (const PlanePoints polygon = unrolled_where_narrow(sides, loop_of(sides)); polygon.rows() > 0)
+    parts = Splitter(static_cast<int>(sides.size()), static_cast<int>(sides[0].rows()) - 1, polygon,
+                     static_cast<int>(sides[0].rows() - 1) / 2)
+                .parts_at_concave_corners();
   return parts;
 }
 
 FaceSplit split_face_into_quads(const std::vector<Points>& sides, int splits) {
   FaceSplit split = lay_out(sides, splits);
-  if (split.n_pieces != 1) return split;
+  if (split.n_pieces != 1 || split.is_unrolled) return split;
   const std::vector<size_t> corners = corners_of_quadrilateral(sides);
   if (corners.empty()) return split;
   Splitter splitter(

@@ -31,6 +31,9 @@ struct FaceSplit {
   /// The domain is the face's best plane; false: a convex polygon with sides of the same lengths, or a disc,
   /// because the face overlaps itself in its plane or turns away from it.
   bool is_projection = false;
+  /// The domain is the face unrolled, as good as its plane: it overlaps itself there or turns away, and comes
+  /// so near to itself somewhere that no convex polygon will do.
+  bool is_unrolled = false;
 };
 
 /// Parts per side, mostly 1: into how many it should be divided before the face is split, so that cuts from

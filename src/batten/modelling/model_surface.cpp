@@ -1,6 +1,8 @@
 #include "batten/modelling/model_surface.hpp"
 
 #include <algorithm>
+#include <array>
+#include <map>
 #include <utility>
 
 #include "batten/core/error.hpp"
@@ -8,6 +10,7 @@
 #include "batten/core/text.hpp"
 #include "batten/mesh/quality.hpp"
 #include "batten/modelling/model_network.hpp"
+#include "batten/modelling/refilling_detail.hpp"
 #include "batten/subdivision/subdivide.hpp"
 
 namespace batten {
@@ -109,6 +112,47 @@ void fill(const PolylineMesh& model, const DiffusionSurface& surface, ModelSurfa
   check(filled.turned, filled.face_of_triangle, result);
 }
 
+/// Checks the mesh of `result`. Faces that are broken are filled one by one, as thin plates or else as
+/// membranes, where that leaves fewer flaws: the others may only be crossed by one that bulges. What is left
+/// is filled together.
+void refill_folded(const std::vector<int>& face_of_triangle, const std::vector<char>& on_crease,
+                   ModelSurface& result) {
+  constexpr size_t kMostFaces = 12;  // beyond that it is not single faces that are amiss
+  const auto soundness_of = [&](const TriangleMesh& mesh) {
+    return surface_soundness(mesh, turned_triangles(mesh, on_crease), face_of_triangle);
+  };
+  const auto flaws_of = [](const SurfaceSoundness& s) { return s.crossing_pairs + s.turned_triangles; };
+  result.soundness = soundness_of(result.mesh);
+  if (result.soundness->broken_faces.size() > kMostFaces) return;
+  std::map<int, detail::Refill> refilled;
+  const auto attempt = [&](const std::vector<int>& faces, detail::Refill how) {
+    TriangleMesh filled = result.mesh;
+    detail::refill_faces(filled, face_of_triangle, faces, on_crease, how);
+    SurfaceSoundness soundness = soundness_of(filled);
+    if (flaws_of(soundness) >= flaws_of(*result.soundness)) return;
+    result.mesh = std::move(filled);
+    result.soundness = std::move(soundness);
+    for (const int face : faces) refilled[face] = how;
+  };
+  constexpr std::array<detail::Refill, 2> kWays{detail::Refill::Plate, detail::Refill::Membrane};
+  for (const int face : std::vector<int>(result.soundness->broken_faces))
+    for (const detail::Refill how : kWays) {
+      const std::vector<int>& broken = result.soundness->broken_faces;
+      if (std::binary_search(broken.begin(), broken.end(), face)) attempt({face}, how);
+    }
+  // Those that are left may hold each other in a fold.
+  for (const detail::Refill how : kWays)
+    if (!result.soundness->is_sound()) attempt(std::vector<int>(result.soundness->broken_faces), how);
+  for (const auto& [face, how] : refilled)
+    (how == detail::Refill::Plate ? result.filled_as_plates : result.filled_as_membranes).push_back(face);
+}
+
+std::string names_of(const std::vector<int>& faces) {
+  std::string names;
+  for (const int face : faces) names += concat(names.empty() ? "f" : ", f", face);
+  return names;
+}
+
 void subdivide_to_limit(const DiffusionSurface& surface, int levels, ModelSurface& result,
                         const Progress& progress) {
   LimitMesh limit;
@@ -117,7 +161,11 @@ void subdivide_to_limit(const DiffusionSurface& surface, int levels, ModelSurfac
     limit = limit_mesh(surface.cage, levels, surface.face_of_quad, progress);
   }
   result.mesh = std::move(limit.mesh);
-  check(turned_triangles(result.mesh, limit.on_crease), limit.face_of_triangle, result);
+  {
+    const ScopedStage stage(result.times, "check");
+    refill_folded(limit.face_of_triangle, limit.on_crease, result);
+  }
+  if (!result.soundness->is_sound()) result.warnings.push_back(result.soundness->sentence());
 }
 
 ModelSurface diffused_model_surface(const PolylineMesh& model, const ModelSurfaceOptions& options,
@@ -126,6 +174,7 @@ ModelSurface diffused_model_surface(const PolylineMesh& model, const ModelSurfac
   DiffusionOptions diffusion = options.diffusion;
   // Filling the network does not refine it any further, so it wants more samples along its curves.
   if (is_filled) diffusion.splits = std::min(diffusion.splits + 1, 6);
+  diffusion.keep_folded = options.with_mesh;
   DiffusionSurface surface = diffusion_surface(model, diffusion, progress);
   ModelSurface result;
   result.times.add(surface.times);
@@ -135,6 +184,14 @@ ModelSurface diffused_model_surface(const PolylineMesh& model, const ModelSurfac
   if (!result.not_smoothed.empty()) result.warnings.push_back(not_smoothed_sentence(result.not_smoothed));
   if (options.with_mesh && is_filled) fill(model, surface, result, progress);
   if (options.with_mesh && !is_filled) subdivide_to_limit(surface, options.levels, result, progress);
+  if (!result.filled_as_plates.empty())
+    result.warnings.push_back(concat("the flow folds ", names_of(result.filled_as_plates),
+                                     "; filled as thin plates through their curves instead"));
+  if (!result.filled_as_membranes.empty())
+    result.warnings.push_back(
+        concat("the flow folds ", names_of(result.filled_as_membranes),
+               "; filled as membranes instead, which meet their neighbours in creases; divide "
+               "them by another curve for a smooth surface"));
   result.cage = std::move(surface.cage);
   return result;
 }

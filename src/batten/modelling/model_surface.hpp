@@ -56,9 +56,12 @@ struct ModelSurface {
   TriangleMesh mesh;         ///< without triangles where only the cage was asked for
   ControlCage cage;          ///< its limit surface is what STEP files hold; empty where the scheme has none
   Eigen::Index n_quads = 0;  ///< of the refined mesh
-  std::optional<FaceDivision> division;       ///< of Coons
-  double last_move = 0;                       ///< of the flow, ÷ diameter; Diffusion and Filled
-  std::vector<int> not_smoothed;              ///< faces that kept their first shape; Diffusion and Filled
+  std::optional<FaceDivision> division;  ///< of Coons
+  double last_move = 0;                  ///< of the flow, ÷ diameter; Diffusion and Filled
+  std::vector<int> not_smoothed;         ///< faces that kept their first shape; Diffusion and Filled
+  /// Faces of Diffusion that came out folded and were filled anew in the mesh, ascending. `cage` knows
+  /// nothing of it.
+  std::vector<int> filled_as_plates, filled_as_membranes;
   std::optional<SurfaceSoundness> soundness;  ///< where there is a mesh
   std::vector<std::string> warnings;          ///< with the faces and the remedy
   StageTimes times;

@@ -52,7 +52,7 @@ void visit_fields(NetworkSurfaceOptions& options, Visitor& visit) {
 
 template <typename Visitor>
 void visit_fields(DiffusionOptions& options, Visitor& visit) {
-  auto& [splits, rounds, tolerance, time_step, diffusion_steps, similarity, fidelity] = options;
+  auto& [splits, rounds, tolerance, time_step, diffusion_steps, similarity, fidelity, keep_folded] = options;
   visit("splits", splits);
   visit("rounds", rounds);
   visit("tolerance", tolerance);
