@@ -20,6 +20,7 @@ struct RemeshArguments {
   int vertices = 0, iterations = RemeshOptions{}.max_iterations;
   double adaptivity = RemeshOptions{}.adaptivity;
   bool repair = false;
+  bool accept_flaws = false;
 };
 
 Outcome run_remesh(const RemeshArguments& arguments, Context& context) {
@@ -47,7 +48,8 @@ Outcome run_remesh(const RemeshArguments& arguments, Context& context) {
   }
   const RemeshedMesh result = remeshed_mesh(mesh, options, context.progress);
   add_run(result.times, result.warnings, outcome);
-  {
+  const bool is_written = result.flaws.empty() || arguments.accept_flaws;
+  if (is_written) {
     const ScopedStage stage(outcome.times, "write");
     write_mesh(arguments.out, result.mesh);
   }
@@ -59,6 +61,10 @@ Outcome run_remesh(const RemeshArguments& arguments, Context& context) {
   figures["target_vertices"] = result.report.target_vertices;
   figures["iterations"] = result.report.iterations;
   figures["converged"] = result.report.converged;
+  figures["mean_edge"] = quality.mean_edge;
+  figures["faceted"] = result.report.is_faceted;
+  figures["self_intersections"] = result.report.crossings;
+  figures["flaws"] = result.flaws;
   figures["kept_edges"] = result.report.feature_edges;
   figures["corners"] = result.report.corners;
   figures["area_variance"] = result.report.area_variance;
@@ -78,6 +84,14 @@ Outcome run_remesh(const RemeshArguments& arguments, Context& context) {
                                  " degrees in the mean, ", degrees(quality.min_angle),
                                  " at the least; normals off by ", degrees(measures.normal_error),
                                  " degrees, mean curvature by ", 100 * measures.curvature_change, " %"));
+  if (result.flaws.empty()) return outcome;
+  std::string flaws;
+  for (const std::string& flaw : result.flaws) flaws += (flaws.empty() ? "" : "; ") + flaw;
+  if (arguments.accept_flaws)
+    outcome.warnings.push_back("accepted: " + flaws);
+  else
+    outcome.failure = concat("the new triangles do not stand for ", arguments.in, ": ", flaws, "; ",
+                             arguments.out, " was not written, --accept-flaws writes it all the same");
   return outcome;
 }
 
@@ -115,6 +129,8 @@ void add_remesh(CLI::App& app) {
                       "Value per vertex of a PLY file that holds the wanted edge lengths");
   command->add_option("--iterations", arguments->iterations, "Most rounds")->check(CLI::Range(1, 1000));
   add_repair_flag(*command, arguments->repair);
+  command->add_flag("--accept-flaws", arguments->accept_flaws,
+                    "Write the result even where it crosses itself or misses surface or size, exit with 0");
 }
 
 }  // namespace batten::cli

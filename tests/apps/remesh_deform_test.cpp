@@ -1,5 +1,6 @@
 #include "apps/run_batten.hpp"
 
+#include <cmath>
 #include <sstream>
 #include <string>
 
@@ -71,6 +72,41 @@ TEST(Remesh, TellsBadUsageAndBadInputApart) {
   write_file("turned.off", "OFF\n4 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n3 2 0 3\n3 0 2 3\n");
   EXPECT_EQ(run_batten("remesh turned.off -o bad.ply").exit_code, 3);
   EXPECT_FALSE(file_exists("bad.ply"));
+}
+
+/// A rod of 16 sides as CAD programs export it: 32 vertices.
+std::string rod() {
+  const double step = std::acos(-1.0) / 8;
+  std::ostringstream off;
+  off << "OFF\n32 60 0\n";
+  for (const int z : {0, 10})
+    for (int i = 0; i < 16; ++i) off << std::cos(i * step) << ' ' << std::sin(i * step) << ' ' << z << '\n';
+  for (int i = 0; i < 16; ++i) {
+    const int j = (i + 1) % 16;
+    off << "3 " << i << ' ' << j << ' ' << 16 + j << "\n3 " << i << ' ' << 16 + j << ' ' << 16 + i << '\n';
+  }
+  for (int i = 1; i < 15; ++i)
+    off << "3 0 " << i + 1 << ' ' << i << "\n3 16 " << 16 + i << ' ' << 17 + i << '\n';
+  return off.str();
+}
+
+// A result that misses what was asked for is exit 1, says why, and leaves the old file; --accept-flaws writes
+// it.
+TEST(Remesh, DoesNotWriteWhatMissesTheWantedEdge) {
+  write_file("rod.off", rod());
+  const Json good = run_json("remesh rod.off -o rod_new.off --edge 0.2 --json");
+  EXPECT_TRUE(good["faceted"]);
+  EXPECT_TRUE(good["flaws"].empty());
+  EXPECT_NEAR(good["mean_edge"].get<double>(), 0.2, 0.04);
+  write_file("kept.off", "old");
+  const auto bad = run_batten("remesh rod.off -o kept.off --edge 6");  // no triangle is as long
+  EXPECT_EQ(bad.exit_code, 1);
+  EXPECT_NE(bad.err.find("mean edge"), std::string::npos) << bad.err;
+  EXPECT_EQ(read_file("kept.off"), "old");
+  const Json accepted = run_json("remesh rod.off -o kept.off --edge 6 --accept-flaws --json");
+  EXPECT_EQ(accepted["flaws"].size(), 1U);
+  EXPECT_EQ(accepted["warnings"].size(), 1U);
+  EXPECT_NE(read_file("kept.off"), "old");
 }
 
 // Two fans that touch in one vertex are taken apart, and that is told.

@@ -5,7 +5,12 @@
 
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
+#include "batten/mesh/areas.hpp"
+#include "batten/mesh/distance.hpp"
+#include "batten/mesh/halfedge_mesh.hpp"
+#include "batten/mesh/self_intersections.hpp"
 #include "batten/pipeline/mesh_input.hpp"
+#include "batten/remeshing/area_samples.hpp"
 
 namespace batten {
 
@@ -25,6 +30,83 @@ void add_warnings(const TriangleMesh& input, const RemeshOptions& options, Remes
                "`iterations` may mend"));
   if (!input.vertex_values.empty() && options.sizes.size() == 0)
     result.warnings.emplace_back("values per vertex of the input are not carried over to the new vertices");
+}
+
+std::string place(const Eigen::Vector3d& p) {
+  return concat("(", p.x(), ", ", p.y(), ", ", p.z(), ")");
+}
+
+/// The point of one mesh, of those spread over it, that is furthest from another mesh.
+struct Furthest {
+  double distance = 0;
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();
+};
+Furthest furthest(const TriangleMesh& from, const TriangleMesh& to, double spacing,
+                  const Progress& progress) {
+  const std::vector<AreaSample> samples = area_samples(from.positions, from.triangles, spacing * spacing);
+  Points queries(from.n_vertices() + static_cast<Eigen::Index>(samples.size()), 3);
+  queries.topRows(from.n_vertices()) = from.positions;
+  for (std::size_t i = 0; i < samples.size(); ++i)
+    queries.row(from.n_vertices() + static_cast<Eigen::Index>(i)) = samples[i].point;
+  const Eigen::VectorXd lengths =
+      distances(TriangleTree(to.positions, to.triangles).closest(queries, progress));
+  Eigen::Index at = 0;
+  const double most = lengths.maxCoeff(&at);
+  return {most, queries.row(at)};
+}
+
+bool is_closed(const TriangleMesh& mesh) {
+  const HalfedgeMesh edges(mesh.positions, mesh.triangles, NonManifoldVertices::Split);
+  for (int h = 0; h < edges.halfedge_capacity(); ++h)
+    if (edges.is_border_edge(h)) return false;
+  return true;
+}
+
+void add_flaws(const TriangleMesh& input, const RemeshOptions& options, RemeshedMesh& result,
+               const Progress& progress) {
+  const RemeshReport& report = result.report;
+  const TriangleMesh& mesh = result.mesh;
+  if (report.crossings > report.input_crossings) {
+    const auto pairs = self_intersections(mesh.positions, mesh.triangles, report.crossings, progress);
+    const auto [f, g] = pairs.front();
+    const Eigen::Vector3d middle =
+        (mesh.positions.row(mesh.triangles(f, 0)) + mesh.positions.row(mesh.triangles(f, 1)) +
+         mesh.positions.row(mesh.triangles(f, 2))) /
+        3;
+    result.flaws.push_back(concat("pairs of triangles that cross: ", report.crossings, ", ",
+                                  report.input_crossings, " in the input; the first are ", f, " and ", g,
+                                  " at ", place(middle)));
+  }
+  const double asked = options.edge_length > 0 ? options.edge_length
+                                               : mesh_quality(input.positions, input.triangles).mean_edge;
+  const bool by_length = options.n_vertices == 0 && options.sizes.size() == 0;
+  const double mean_edge = result.quality.mean_edge;
+  if (report.is_faceted && by_length) {
+    if (!(std::abs(mean_edge - asked) <= 0.2 * asked))
+      result.flaws.push_back(concat("the mean edge is ", mean_edge, " where ", asked,
+                                    " was asked for: the facets of the part allow no other"));
+  } else {
+    const double share = report.is_faceted ? 0.2 : 0.5, wanted = report.target_vertices;
+    // Corners stay, however long the edges.
+    if (!(std::abs(static_cast<double>(mesh.n_vertices()) - wanted) <= share * wanted + report.corners))
+      result.flaws.push_back(
+          concat("there are ", mesh.n_vertices(), " vertices where ", std::round(wanted), " were wanted"));
+  }
+  if (is_closed(input)) {
+    const double before = enclosed_volume(input.positions, input.triangles),
+                 after = enclosed_volume(mesh.positions, mesh.triangles);
+    if (!(std::abs(after - before) <= (report.is_faceted ? 0.005 : 0.05) * std::abs(before)))
+      result.flaws.push_back(concat("the volume changed from ", before, " to ", after));
+  }
+  if (!report.is_faceted) return;
+  const double most = 0.02 * asked, spacing = 0.3 * mean_edge;
+  for (const bool back : {false, true}) {
+    const Furthest at =
+        back ? furthest(mesh, input, spacing, progress) : furthest(input, mesh, spacing, progress);
+    if (!(at.distance <= most))
+      result.flaws.push_back(concat(back ? "the result leaves the input by " : "the input is missed by ",
+                                    at.distance, " at ", place(at.point)));
+  }
 }
 
 }  // namespace
@@ -54,6 +136,7 @@ RemeshedMesh remeshed_mesh(const TriangleMesh& mesh, const RemeshedMeshOptions& 
   const ScopedStage stage(result.times, "measure");
   result.measures = remesh_measures(mesh, result.mesh, chosen.keep_edges, progress);
   result.quality = mesh_quality(result.mesh.positions, result.mesh.triangles);
+  add_flaws(mesh, chosen, result, progress);
   return result;
 }
 

@@ -169,6 +169,24 @@ int RemeshState::split_long_edges(double ratio, const Progress& progress) {
   return splits;
 }
 
+std::vector<int> RemeshState::split_longest_edges(const std::vector<int>& faces) {
+  std::vector<char> is_cut(mesh.face_capacity(), 0);
+  std::vector<int> added;
+  for (const int f : faces) {
+    if (is_cut[f] != 0) continue;
+    int longest = 3 * f;
+    for (int h = 3 * f + 1; h < 3 * f + 3; ++h)
+      if (edge_length(h) > edge_length(longest)) longest = h;
+    is_cut[f] = 1;
+    if (!mesh.is_border_edge(longest)) {
+      const int beside = HalfedgeMesh::face(mesh.opposite(longest));
+      if (beside < static_cast<int>(is_cut.size())) is_cut[beside] = 1;
+    }
+    added.push_back(split_in_the_middle(longest));
+  }
+  return added;
+}
+
 bool RemeshState::collapse_is_sound(int h, const Vector3d& p, double longest) const {
   const int u = mesh.from(h), v = mesh.to(h);
   const int o = mesh.opposite(h);

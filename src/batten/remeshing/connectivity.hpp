@@ -41,6 +41,9 @@ class RemeshState {
   /// @param lines_only features and edges between faces that turn by more than `turn` radians alone.
   /// @return how many.
   int refine(double ratio, bool lines_only, double turn, const Progress& progress = {});
+  /// Splits the longest edge of each face, unless that was done for a face before it. @return the new
+  /// vertices.
+  std::vector<int> split_longest_edges(const std::vector<int>& faces);
   /// Collapses edges shorter than `ratio` times the wanted length, shortest first, where that makes no edge
   /// longer than `longest` times its wanted length, turns no face over and leaves features on their curves.
   int collapse_short_edges(double ratio, double longest, const Progress& progress = {});

@@ -10,9 +10,11 @@
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
 #include "batten/mesh/distance.hpp"
+#include "batten/mesh/self_intersections.hpp"
 #include "batten/operators/curvature.hpp"
 #include "batten/operators/laplacian.hpp"
 #include "batten/remeshing/connectivity.hpp"
+#include "batten/remeshing/crossings.hpp"
 #include "batten/remeshing/feature_chains.hpp"
 #include "batten/remeshing/normal_fit.hpp"
 #include "batten/remeshing/regularization.hpp"
@@ -34,6 +36,7 @@ constexpr double kScatter = 0.14;
 constexpr double kGradation = 0.25;
 /// σ of the weights of STEP 1 (H 2.39).
 constexpr double kAreaSimilarity = 0.05;
+constexpr std::size_t kMostCrossings = 10000;
 /// Most rounds on parts of facets, where the mean edge takes longer to reach.
 constexpr int kMostRounds = 20;
 /// Inputs a fifth of which has edges longer than this many wanted lengths are refined before anything moves.
@@ -187,7 +190,7 @@ class Remesher {
     feature_options.fade = 0.5;
     if (options.keep_edges > kFacetAngle && options.keep_edges < kPi &&
         is_faceted(mesh, length, options.keep_edges)) {
-      is_faceted_ = true;
+      report_.is_faceted = true;
       feature_options.crease_angle = kFacetAngle;
       feature_options.least_length = 0;
       feature_options.fade = 1;
@@ -222,7 +225,7 @@ class Remesher {
     refine(progress_.part("refine", 0, 0));
     double last_variance = 0;
     const auto misses_length = [&] {
-      return is_faceted_ && options_.n_vertices == 0 &&
+      return report_.is_faceted && options_.n_vertices == 0 &&
              std::abs(mean_edge_length(state_->mesh) / edge_length_ - 1) > 0.1;
     };
     for (int round = 0;
@@ -280,9 +283,9 @@ class Remesher {
   /// STEP 0. The sizes are scaled towards the wanted number of vertices after the first rounds.
   void change_connectivity(int round, const Progress& progress) {
     ScopedStage stage(times_, "connectivity");
-    if (round >= 2 && (round < 8 || is_faceted_)) {
+    if (round >= 2 && (round < 8 || report_.is_faceted)) {
       // Between the lines of a part triangles can be longer than wide: there it is the length that counts.
-      const double ratio = is_faceted_ && options_.n_vertices == 0
+      const double ratio = report_.is_faceted && options_.n_vertices == 0
                                ? std::clamp(edge_length_ / mean_edge_length(state_->mesh), 0.5, 2.0)
                                : std::sqrt(state_->mesh.n_vertices() / target_vertices_);
       scale_ *= ratio;
@@ -363,6 +366,19 @@ class Remesher {
     }
   }
 
+  /// Triangles that cross, where those of the input do not.
+  void mend() {
+    ScopedStage stage(times_, "crossings");
+    const Progress part = progress_.part("remeshing", 1, 1);
+    const HalfedgeMesh::Compact compact = state_->mesh.compacted();
+    report_.crossings = self_intersections(compact.positions, compact.triangles, kMostCrossings, part).size();
+    if (report_.crossings == 0) return;
+    report_.input_crossings =
+        self_intersections(reference_->positions, reference_->triangles, kMostCrossings, part).size();
+    report_.crossings =
+        mend_crossings(*state_, reference_->positions, reference_->triangles, report_.input_crossings, part);
+  }
+
   void finish() {
     for (int round = 0; round < 3; ++round) {
       const double done = options_.max_iterations + round / 3.0;
@@ -378,6 +394,7 @@ class Remesher {
     // The Laplacian flow is there to be compared with: it ends here, as its authors have it.
     if (options_.method == RemeshMethod::LaplacianFlow) return;
     fit(progress_.part("remeshing", (options_.max_iterations + 1.0) / (options_.max_iterations + 2), 1));
+    mend();
   }
 
   /// Vertices and edges to where the triangles fit the old surface best.
@@ -410,7 +427,6 @@ class Remesher {
   FeatureChains features_;
   std::optional<Reference> reference_;
   std::optional<RemeshState> state_;
-  bool is_faceted_ = false;
   double edge_length_ = 0;  ///< the mean that is asked for
   double target_vertices_ = 0;
   double scale_ = 1;  ///< of the sizes, to meet the number of vertices

@@ -62,6 +62,10 @@ struct RemeshReport {
   int corners = 0;                    ///< vertices that were never moved
   std::vector<double> area_variance;  ///< Var(A) / (N Ā²) of relative areas after every round
   double target_vertices = 0;
+  bool is_faceted = false;  ///< the input was taken for a part of flat facets, all of which are kept
+  /// Pairs of triangles that cross, as self_intersections() counts them up to 10,000: in the result, and in
+  /// the input, which is searched only where the result has any.
+  std::size_t crossings = 0, input_crossings = 0;
   SolveQuality solves;  ///< of the diffusion of areas and the fit to the surface
 };
 
@@ -75,8 +79,9 @@ struct RemeshResult {
 ///
 /// Rounds of splits, collapses and flips, of area diffusion and of tangential relocation (H 2.2.2), each
 /// closed by a projection to the input surface; then (not with LaplacianFlow) vertices are moved and edges
-/// turned to where the new triangles fit the old surface best, in place and in normals.
-/// Vertices on kept edges move along the input's feature curves, corners stay.
+/// turned to where the new triangles fit the old surface best, in place and in normals, and triangles that
+/// cross where those of the input did not are mended. Vertices on kept edges move along the input's feature
+/// curves, corners stay.
 /// @throws InvalidInput when the mesh is empty or not an oriented manifold, or an option is out of range.
 RemeshResult remesh(const TriangleMesh& mesh, const RemeshOptions& options = {},
                     const Progress& progress = {});
