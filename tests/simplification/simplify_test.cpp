@@ -1,6 +1,7 @@
 #include "batten/simplification/simplify.hpp"
 
 #include "mesh/shapes.hpp"
+#include "remeshing/cad_parts.hpp"
 #include "report_gaps.hpp"
 #include "threads.hpp"
 
@@ -435,6 +436,21 @@ TEST(Simplify, GivesTheSameBitsOnAnyNumberOfThreads) {
     EXPECT_EQ(other.mesh.positions, one.mesh.positions) << threads;
     EXPECT_EQ(other.mesh.triangles, one.mesh.triangles) << threads;
     EXPECT_EQ(other.rms_error, one.rms_error) << threads;
+  }
+}
+
+// Rods as CAD programs export them are needles throughout: their facets are joined, within the height of an
+// arc over twice a facet, and nothing stops for the shape of the triangles.
+TEST(Simplify, TakesFacesOffRodsOfNeedles) {
+  for (const int sides : {32, 64}) {
+    const TriangleMesh rod = fixtures::rod(sides, 1, 10);
+    SimplifyOptions options;
+    options.remove = 0.5;
+    const SimplifyResult result = simplify(rod, options);
+    EXPECT_TRUE(result.reached);
+    EXPECT_LE(result.mesh.n_triangles(), rod.n_triangles() / 2);
+    EXPECT_LT(result.max_error, 2 * (1 - std::cos(2 * kPi / sides)));
+    EXPECT_TRUE(self_intersections(result.mesh.positions, result.mesh.triangles, 1).empty());
   }
 }
 

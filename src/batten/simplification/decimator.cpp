@@ -15,6 +15,9 @@ using Eigen::Vector3d;
 namespace {
 
 constexpr int kNone = HalfedgeMesh::kNone;
+/// Twice the area of a face over its longest edge squared: no collapse makes one thinner than kThin where
+/// none was, nor than kLeastThin where some were.
+constexpr double kThin = 0.02, kLeastThin = 0.001;
 
 void add_outer(double* m, const Vector3d& n, double w) {
   m[0] += w * n.x() * n.x();
@@ -246,7 +249,9 @@ bool Decimator::is_allowed(int h, const Vector3d& p) {
     if (!allowed) return false;
   }
   if (star_.size() > 24) return false;
-  if (worst_after < 0.02 && worst_after < worst_before) return false;
+  // Among needles, as rods of CAD programs have them, a face may get somewhat flatter than the flattest.
+  const double least = worst_before < kThin ? std::max(0.5 * worst_before, kLeastThin) : kThin;
+  if (worst_after < least && worst_after < worst_before) return false;
   if (!(worst_after > 1e-9)) return false;
   return !tree_.intersects(star_, replaced_);
 }
