@@ -83,7 +83,8 @@ std::string bash_completion(const CLI::App& app) {
       for (const std::string& name : names_of(*option)) {
         names.push_back(name);
         if (!words.empty())
-          values += concat("    '", command->get_name(), " ", name, "') words='", joined(words, " "), "' ;;\n");
+          values +=
+              concat("    '", command->get_name(), " ", name, "') words='", joined(words, " "), "' ;;\n");
       }
     }
     options += concat("      ", command->get_name(), ") words='", joined(names, " "), "' ;;\n");
@@ -96,7 +97,8 @@ std::string bash_completion(const CLI::App& app) {
   return concat(
       "# Completion of batten for bash: source <(batten completion bash)\n"
       "_batten() {\n"
-      "  local word=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD-1]} command=${COMP_WORDS[1]} words=\n"
+      "  local word=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD-1]} command=${COMP_WORDS[1]} "
+      "words=\n"
       "  COMPREPLY=()\n"
       "  if ((COMP_CWORD == 1)); then\n"
       "    COMPREPLY=($(compgen -W '",
@@ -125,8 +127,9 @@ std::string bash_completion(const CLI::App& app) {
 std::string zsh_completion(const CLI::App& app) {
   std::string commands, cases;
   for (const CLI::App* command : commands_of(app)) {
-    commands +=
-        concat("    ", single_quoted(concat(command->get_name(), ":", escaped(command->get_description(), ":"))), "\n");
+    commands += concat(
+        "    ", single_quoted(concat(command->get_name(), ":", escaped(command->get_description(), ":"))),
+        "\n");
     cases += concat("    ", command->get_name(), ")\n      _arguments");
     for (const CLI::Option* option : options_of(*command)) {
       const std::vector<std::string> words = words_of(*option);
@@ -172,7 +175,8 @@ std::string fish_completion(const CLI::App& app) {
     }
     for (const CLI::Option* argument : arguments_of(*command))
       if (const auto words = words_of(*argument); !words.empty())
-        text += concat("complete -c batten -n ", condition, " -f -a ", single_quoted(joined(words, " ")), "\n");
+        text +=
+            concat("complete -c batten -n ", condition, " -f -a ", single_quoted(joined(words, " ")), "\n");
   }
   return text;
 }
@@ -195,8 +199,8 @@ std::string troff(std::string_view text) {
 }
 
 std::string heading(const std::string& name, const std::string& description) {
-  return concat(".TH ", escaped(name, "\""), " 1 \"\" \"batten " BATTEN_VERSION "\" \"Batten\"\n.SH NAME\n", troff(name),
-                " \\- ", troff(description), "\n");
+  return concat(".TH ", escaped(name, "\""), " 1 \"\" \"batten " BATTEN_VERSION "\" \"Batten\"\n.SH NAME\n",
+                troff(name), " \\- ", troff(description), "\n");
 }
 
 void add_options(const std::vector<const CLI::Option*>& options, std::string& page) {
@@ -217,7 +221,8 @@ void add_options(const std::vector<const CLI::Option*>& options, std::string& pa
 }
 
 constexpr const char* kExitStatus =
-    ".SH EXIT STATUS\n.TP\n0\ndone\n.TP\n1\nthe work failed, or its result is not sound\n.TP\n2\nthe command line is "
+    ".SH EXIT STATUS\n.TP\n0\ndone\n.TP\n1\nthe work failed, or its result is not sound\n.TP\n2\nthe command "
+    "line is "
     "wrong\n.TP\n3\nthe input is wrong\n.TP\n130\ninterrupted\n";
 
 }  // namespace
@@ -235,10 +240,11 @@ std::string manual_page(const CLI::App& app, const CLI::App* command) {
       page += concat(".TP\n.B ", each->get_name(), "\n", troff(each->get_description()), "\n");
       others += concat(others.empty() ? "" : ",\n", ".BR batten\\-", each->get_name(), " (1)");
     }
-    return concat(page, kExitStatus,
-                  ".SH ENVIRONMENT\n.TP\n.B BATTEN_THREADS\nMost threads to work on, where \\-\\-threads says "
-                  "nothing\n.SH SEE ALSO\n",
-                  others, "\n");
+    return concat(
+        page, kExitStatus,
+        ".SH ENVIRONMENT\n.TP\n.B BATTEN_THREADS\nMost threads to work on, where \\-\\-threads says "
+        "nothing\n.SH SEE ALSO\n",
+        others, "\n");
   }
   std::string page = heading("batten-" + command->get_name(), command->get_description());
   page += concat(".SH SYNOPSIS\n.B batten ", command->get_name(), "\n");
@@ -251,7 +257,8 @@ std::string manual_page(const CLI::App& app, const CLI::App* command) {
   }
   page += ".SH OPTIONS\n";
   add_options(options_of(*command), page);
-  page += concat(kExitStatus, ".SH EXAMPLE\n.nf\n", troff(command->get_footer()), "\n.fi\n.SH SEE ALSO\n.BR batten (1)\n");
+  page += concat(kExitStatus, ".SH EXAMPLE\n.nf\n", troff(command->get_footer()),
+                 "\n.fi\n.SH SEE ALSO\n.BR batten (1)\n");
   return page;
 }
 

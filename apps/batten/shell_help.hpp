@@ -3,7 +3,8 @@
 
 #include <CLI/CLI.hpp>
 
-// What shells and `man` know of the program, generated from the options themselves, so that they cannot differ.
+// What shells and `man` know of the program, generated from the options themselves, so that they cannot
+// differ.
 namespace batten::cli {
 
 /// The completion of commands, options and the words that an option takes, to be sourced by the shell.

@@ -20,8 +20,9 @@ std::vector<std::string> found(const std::string& text, const std::string& patte
 
 /// What bash offers for the last of these words.
 std::string offered(const std::string& words) {
-  write_file("complete.bash", "source completion.bash\nCOMP_WORDS=(" + words +
-                                  ")\nCOMP_CWORD=$((${#COMP_WORDS[@]} - 1))\n_batten\necho \"${COMPREPLY[*]}\"\n");
+  write_file("complete.bash",
+             "source completion.bash\nCOMP_WORDS=(" + words +
+                 ")\nCOMP_CWORD=$((${#COMP_WORDS[@]} - 1))\n_batten\necho \"${COMPREPLY[*]}\"\n");
   const std::string command = "cd '" + scratch() + "' && bash complete.bash >offered.txt 2>&1";
   EXPECT_EQ(std::system(command.c_str()), 0);
   std::string text = read_file("offered.txt");

@@ -65,13 +65,15 @@ TEST(Streams, CompressedAndUnknownInput) {
 TEST(Limits, AreTestedBeforeTheWork) {
   make_samples();
   for (const char* line :
-       {"surface truth.net -o s.ply --edge-length 1e-9", "reconstruct scan.rawnet -o s.ply --edge-length 1e-9",
+       {"surface truth.net -o s.ply --edge-length 1e-9",
+        "reconstruct scan.rawnet -o s.ply --edge-length 1e-9",
         "surface truth.net -o s.ply --max-triangles 100", "network scan.rawnet -o n.net --step 1e-9",
         "simulate torus -o r.rawnet --step 1e-9", "remesh truth.ply -o r.ply --edge 1e-9",
         "convert truth.net c.net --resample 1e-9"}) {
     const auto run = run_batten(line);
     EXPECT_EQ(run.exit_code, 3) << line << run.err;
-    EXPECT_TRUE(run.err.find("more than") != std::string::npos || run.err.find("would take") != std::string::npos)
+    EXPECT_TRUE(run.err.find("more than") != std::string::npos ||
+                run.err.find("would take") != std::string::npos)
         << run.err;
   }
   // The remedy works.

@@ -26,11 +26,17 @@ TEST(LogColumns, DescriptionsReadBackAsTheyAre) {
 }
 
 TEST(LogColumns, WhatIsWrongIsNamed) {
-  const std::pair<const char*, const char*> kTexts[] = {
-      {"", "is no column"},           {"acc=x:y:z", "need a time"},  {"time=t:furlong", "no unit of time"},
-      {"time=t,acc=x:y", "three"},    {"time=t,time=u", "twice"},    {"time=t,speed=v", "speed"},
-      {"time=t,curve=c:m", "one column"}, {"time=", "without a name"}, {"time=t,acc=x:y:z:deg/s", "no unit of acc"},
-      {"time=t,distance=d:0mm", "no unit of distance"}, {"time=t,distance=d:5%", "no unit of distance"}};
+  const std::pair<const char*, const char*> kTexts[] = {{"", "is no column"},
+                                                        {"acc=x:y:z", "need a time"},
+                                                        {"time=t:furlong", "no unit of time"},
+                                                        {"time=t,acc=x:y", "three"},
+                                                        {"time=t,time=u", "twice"},
+                                                        {"time=t,speed=v", "speed"},
+                                                        {"time=t,curve=c:m", "one column"},
+                                                        {"time=", "without a name"},
+                                                        {"time=t,acc=x:y:z:deg/s", "no unit of acc"},
+                                                        {"time=t,distance=d:0mm", "no unit of distance"},
+                                                        {"time=t,distance=d:5%", "no unit of distance"}};
   for (const auto& [text, words] : kTexts) {
     try {
       parse_log_columns(text);
@@ -45,14 +51,17 @@ TEST(GuessedLogColumns, KnowTheNamesOfCommonPrograms) {
   const std::pair<std::vector<std::string>, const char*> kHeaders[] = {
       {{"Time (s)", "Acceleration x (m/s^2)", "Acceleration y (m/s^2)", "Acceleration z (m/s^2)"},
        "time=Time (s):s,acc=Acceleration x (m/s^2):Acceleration y (m/s^2):Acceleration z (m/s^2):m/s2"},
-      {{"Time (s)", "Gyroscope X (deg/s)", "Gyroscope Y (deg/s)", "Gyroscope Z (deg/s)", "Accelerometer X (g)",
-        "Accelerometer Y (g)", "Accelerometer Z (g)", "Magnetometer X (uT)", "Magnetometer Y (uT)",
-        "Magnetometer Z (uT)"},
+      {{"Time (s)", "Gyroscope X (deg/s)", "Gyroscope Y (deg/s)", "Gyroscope Z (deg/s)",
+        "Accelerometer X (g)", "Accelerometer Y (g)", "Accelerometer Z (g)", "Magnetometer X (uT)",
+        "Magnetometer Y (uT)", "Magnetometer Z (uT)"},
        "time=Time (s):s,acc=Accelerometer X (g):Accelerometer Y (g):Accelerometer Z (g):g,mag=Magnetometer X "
-       "(uT):Magnetometer Y (uT):Magnetometer Z (uT):uT,gyr=Gyroscope X (deg/s):Gyroscope Y (deg/s):Gyroscope Z "
+       "(uT):Magnetometer Y (uT):Magnetometer Z (uT):uT,gyr=Gyroscope X (deg/s):Gyroscope Y "
+       "(deg/s):Gyroscope Z "
        "(deg/s):deg/s"},
-      {{"Timestamp(ms)", "AccelX", "AccelY", "AccelZ", "GyroX", "GyroY", "GyroZ", "MagX", "MagY", "MagZ", "Dist"},
-       "time=Timestamp(ms):ms,distance=Dist,acc=AccelX:AccelY:AccelZ,mag=MagX:MagY:MagZ,gyr=GyroX:GyroY:GyroZ"},
+      {{"Timestamp(ms)", "AccelX", "AccelY", "AccelZ", "GyroX", "GyroY", "GyroZ", "MagX", "MagY", "MagZ",
+        "Dist"},
+       "time=Timestamp(ms):ms,distance=Dist,acc=AccelX:AccelY:AccelZ,mag=MagX:MagY:MagZ,gyr=GyroX:GyroY:"
+       "GyroZ"},
       {{"time", "seconds_elapsed", "accelerometer_z", "accelerometer_y", "accelerometer_x"},
        "time=seconds_elapsed:s,acc=accelerometer_x:accelerometer_y:accelerometer_z"},
       {{"t", "ax", "ay", "az", "gx", "gy", "gz", "mx", "my", "mz", "temperature"},
@@ -60,7 +69,8 @@ TEST(GuessedLogColumns, KnowTheNamesOfCommonPrograms) {
       {{"time_s", "acc_x_m_s2", "acc_y_m_s2", "acc_z_m_s2", "node", "curve"},
        "time=time_s:s,curve=curve,node=node,acc=acc_x_m_s2:acc_y_m_s2:acc_z_m_s2:m/s2"},
       // Without gravity, or without one of three axes: not taken.
-      {{"Time (s)", "Linear Acceleration x (m/s^2)", "Linear Acceleration y (m/s^2)", "Linear Acceleration z (m/s^2)"},
+      {{"Time (s)", "Linear Acceleration x (m/s^2)", "Linear Acceleration y (m/s^2)",
+        "Linear Acceleration z (m/s^2)"},
        "time=Time (s):s"},
       {{"time", "accx", "accy"}, "time=time"},
   };
@@ -71,7 +81,8 @@ TEST(GuessedLogColumns, KnowTheNamesOfCommonPrograms) {
 std::string log_in(const std::string& header, double gravity, double step, double field) {
   std::string text = header + "\n";
   for (int i = 0; i < 20; ++i)
-    text += std::to_string(i * step) + ",0,0," + std::to_string(gravity) + "," + std::to_string(field) + ",0,0\n";
+    text +=
+        std::to_string(i * step) + ",0,0," + std::to_string(gravity) + "," + std::to_string(field) + ",0,0\n";
   return text;
 }
 
@@ -89,8 +100,10 @@ TEST(GuessedLogColumns, NumbersTellTheirUnits) {
     EXPECT_NE(notes[0].find("time=t:"), std::string::npos) << notes[0];
     EXPECT_NE(notes[1].find("no curves"), std::string::npos) << notes[1];
     // What was guessed, given as a description, reads the same.
-    const std::string used = notes[0].substr(notes[0].find("time="), notes[0].find(';') - notes[0].find("time="));
-    EXPECT_EQ(parse_sensor_log(log_in(header, gravity, step, field), "log", used).accelerometer, log.accelerometer);
+    const std::string used =
+        notes[0].substr(notes[0].find("time="), notes[0].find(';') - notes[0].find("time="));
+    EXPECT_EQ(parse_sensor_log(log_in(header, gravity, step, field), "log", used).accelerometer,
+              log.accelerometer);
   }
 }
 
@@ -108,7 +121,8 @@ TEST(LogOddities, NameTheUnitThatItLooksLike) {
 
 TEST(DescribedLogs, KnowSeparatorsAndDecimalCommas) {
   const std::string description = "time=t:ms,acc=ax:ay:az:g,distance=d:mm,curve=c";
-  const SensorLog comma = parse_sensor_log("t,ax,ay,az,d,c\n0,0,0,1,0,1\n10,0,0.5,1,2.5,1\n", "log", description);
+  const SensorLog comma =
+      parse_sensor_log("t,ax,ay,az,d,c\n0,0,0,1,0,1\n10,0,0.5,1,2.5,1\n", "log", description);
   for (const char* text : {"t;ax;ay;az;d;c\n0;0;0;1;0;1\n10;0;0,5;1;2,5;1\n",
                            "\"t\"\t\"ax\"\tay\taz\td\tc\n0\t0\t0\t1\t0\t1\n10\t0\t0,5\t1\t2.5\t1\n"}) {
     const SensorLog log = parse_sensor_log(text, "log", description);

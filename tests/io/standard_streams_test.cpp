@@ -46,7 +46,8 @@ TEST(ExtensionOfContent, IsThatOfTheFormatItBeginsAs) {
       {"", "hello world\n"},
       {"", "# only a comment\n"},
   };
-  for (const auto& [extension, content] : contents) EXPECT_EQ(extension_of_content(content), extension) << content;
+  for (const auto& [extension, content] : contents)
+    EXPECT_EQ(extension_of_content(content), extension) << content;
 }
 
 // A binary STL may begin with any 80 bytes, "solid" too.

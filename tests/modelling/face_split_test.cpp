@@ -156,5 +156,30 @@ TEST(FaceSplit, PlainHalfTubesAreNotUnrolled) {
   EXPECT_FALSE(split_face_into_quads(sides, splits).is_unrolled);
 }
 
+// A face that goes nine tenths around a tube and comes near to itself there: no convex polygon keeps its ends
+// as near, and its own plane folds it. Unrolled it is the rectangle of 1.8 π times the height.
+TEST(FaceSplit, UnrollsAFaceThatNearlyClosesAroundATube) {
+  const int splits = 4, m = 1 << splits;
+  const double width = 1.8 * kPi;
+  const std::vector<Eigen::Vector2d> corners{{0, 0}, {width, 0}, {width, 1}, {0, 1}};
+  std::vector<Points> sides;
+  for (size_t k = 0; k < 4; ++k) {
+    Points side(m + 1, 3);
+    for (int i = 0; i <= m; ++i) {
+      const Eigen::Vector2d p = corners[k] + (corners[(k + 1) % 4] - corners[k]) * i / m;
+      side.row(i) << std::cos(p.x()), std::sin(p.x()), p.y();
+    }
+    sides.push_back(side);
+  }
+  const FaceSplit split = split_face_into_quads(sides, splits);
+  EXPECT_TRUE(split.is_unrolled);
+  double twice_area = 0;
+  for (int i = 0; i < split.n_boundary; ++i) {
+    const Eigen::RowVector2d a = split.domain.row(i), b = split.domain.row((i + 1) % split.n_boundary);
+    twice_area += a.x() * b.y() - a.y() * b.x();
+  }
+  EXPECT_NEAR(twice_area / 2, width, 0.01 * width);  // chords are a little shorter than their arcs
+}
+
 }  // namespace
 }  // namespace batten::detail

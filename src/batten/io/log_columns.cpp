@@ -41,21 +41,23 @@ constexpr Unit kUnits[] = {
 };
 
 constexpr const char* kKeys[] = {"time", "curve", "node", "distance", "acc", "mag", "gyr"};
-constexpr LogQuantity kQuantities[] = {LogQuantity::Time,          LogQuantity::Curve,        LogQuantity::Node,
-                                       LogQuantity::Distance,      LogQuantity::Accelerometer,
-                                       LogQuantity::Magnetometer,  LogQuantity::Gyroscope};
+constexpr LogQuantity kQuantities[] = {
+    LogQuantity::Time,          LogQuantity::Curve,        LogQuantity::Node,     LogQuantity::Distance,
+    LogQuantity::Accelerometer, LogQuantity::Magnetometer, LogQuantity::Gyroscope};
 
 bool is_vector(LogQuantity quantity) {
   return quantity >= LogQuantity::Accelerometer;
 }
 
-/// The factor of a unit of one quantity: one of kUnits, a length, or a number with either. Nothing: no such unit.
+/// The factor of a unit of one quantity: one of kUnits, a length, or a number with either. Nothing: no such
+/// unit.
 std::optional<double> factor_of(LogQuantity quantity, std::string_view unit) {
   for (const Unit& each : kUnits)
     if (each.quantity == quantity && unit == each.name) return each.factor;
   if (quantity == LogQuantity::Distance) {
     try {
-      const bool has_number = !unit.empty() && (std::isdigit(static_cast<unsigned char>(unit[0])) || unit[0] == '.');
+      const bool has_number =
+          !unit.empty() && (std::isdigit(static_cast<unsigned char>(unit[0])) || unit[0] == '.');
       const Length length = parse_length(has_number ? std::string(unit) : concat("1", unit));
       if (length.kind != Length::Kind::Relative && length.value > 0) return length.value;
     } catch (const InvalidInput&) {
@@ -78,7 +80,8 @@ std::string units_of(LogQuantity quantity) {
 }
 
 constexpr const char* kForm =
-    "time=NAME[:UNIT],acc=X:Y:Z[:UNIT],mag=X:Y:Z[:UNIT],gyr=X:Y:Z[:UNIT],distance=NAME[:UNIT],curve=NAME,node=NAME";
+    "time=NAME[:UNIT],acc=X:Y:Z[:UNIT],mag=X:Y:Z[:UNIT],gyr=X:Y:Z[:UNIT],distance=NAME[:UNIT],curve=NAME,"
+    "node=NAME";
 
 LogFields parse_fields(LogQuantity quantity, std::string_view key, std::string_view value) {
   LogFields fields;
@@ -102,7 +105,8 @@ LogFields parse_fields(LogQuantity quantity, std::string_view key, std::string_v
   return fields;
 }
 
-/// A name taken apart: lower case letters and digits in one string, and the unit that stands in brackets or last.
+/// A name taken apart: lower case letters and digits in one string, and the unit that stands in brackets or
+/// last.
 struct Name {
   std::string letters;  ///< "accelerationx" of "Acceleration x (m/s^2)"
   std::string unit;     ///< as kUnits writes it, or as it stands
@@ -111,11 +115,12 @@ struct Name {
 /// A unit as kUnits writes it.
 std::string standard_unit(std::string unit) {
   static const std::pair<const char*, const char*> kSpellings[] = {
-      {"m/s^2", "m/s2"}, {"m/s²", "m/s2"},  {"m_s2", "m/s2"},  {"mps2", "m/s2"},   {"ms2", "m/s2"}, {"m/s/s", "m/s2"},
-      {"°/s", "deg/s"},  {"dps", "deg/s"},  {"deg_s", "deg/s"}, {"degs", "deg/s"},  {"rad_s", "rad/s"},
-      {"rads", "rad/s"}, {"rps", "rad/s"},  {"µt", "uT"},      {"μt", "uT"},       {"ut", "uT"},    {"microtesla", "uT"},
-      {"nt", "nT"},      {"mt", "mT"},      {"gauss", "G"},    {"mgauss", "mG"},   {"µs", "us"},    {"μs", "us"},
-      {"sec", "s"},      {"seconds", "s"},  {"millis", "ms"},  {"nanoseconds", "ns"}};
+      {"m/s^2", "m/s2"},  {"m/s²", "m/s2"},     {"m_s2", "m/s2"}, {"mps2", "m/s2"},   {"ms2", "m/s2"},
+      {"m/s/s", "m/s2"},  {"°/s", "deg/s"},     {"dps", "deg/s"}, {"deg_s", "deg/s"}, {"degs", "deg/s"},
+      {"rad_s", "rad/s"}, {"rads", "rad/s"},    {"rps", "rad/s"}, {"µt", "uT"},       {"μt", "uT"},
+      {"ut", "uT"},       {"microtesla", "uT"}, {"nt", "nT"},     {"mt", "mT"},       {"gauss", "G"},
+      {"mgauss", "mG"},   {"µs", "us"},         {"μs", "us"},     {"sec", "s"},       {"seconds", "s"},
+      {"millis", "ms"},   {"nanoseconds", "ns"}};
   const std::string lower = lower_case(unit);
   for (const auto& [spelling, name] : kSpellings)
     if (lower == spelling) return name;
@@ -128,13 +133,15 @@ Name taken_apart(const std::string& name) {
   const std::size_t open = text.find_first_of("([");
   if (open != std::string::npos) {
     const std::size_t close = text.find_first_of(")]", open);
-    parts.unit = standard_unit(std::string(trim(text.substr(open + 1, close == std::string::npos ? close : close - open - 1))));
+    parts.unit = standard_unit(
+        std::string(trim(text.substr(open + 1, close == std::string::npos ? close : close - open - 1))));
     text.erase(open);
   } else {
-    for (const char* unit : {"_m_s2", "_mps2", "_rad_s", "_deg_s", "_dps", "_uT", "_ut", "_mG", "_g", "_ms", "_us", "_ns",
-                             "_s", "_mm", "_cm", "_m"})
-      if (const std::string_view ending(unit); text.size() > ending.size() &&
-                                               text.compare(text.size() - ending.size(), ending.size(), ending) == 0) {
+    for (const char* unit : {"_m_s2", "_mps2", "_rad_s", "_deg_s", "_dps", "_uT", "_ut", "_mG", "_g", "_ms",
+                             "_us", "_ns", "_s", "_mm", "_cm", "_m"})
+      if (const std::string_view ending(unit);
+          text.size() > ending.size() &&
+          text.compare(text.size() - ending.size(), ending.size(), ending) == 0) {
         parts.unit = standard_unit(std::string(ending.substr(1)));
         text.erase(text.size() - ending.size());
         break;
@@ -164,7 +171,8 @@ std::pair<LogQuantity, int> component_of(std::string letters) {
   if (component < 0 || component > 2) return {LogQuantity::Time, -1};
   if (word == "a" || begins_with_one_of(word, {"acc"})) return {LogQuantity::Accelerometer, component};
   if (word == "m" || begins_with_one_of(word, {"mag"})) return {LogQuantity::Magnetometer, component};
-  if (word == "g" || word == "w" || begins_with_one_of(word, {"gyr", "angularvel", "angularrate", "rotationrate"}))
+  if (word == "g" || word == "w" ||
+      begins_with_one_of(word, {"gyr", "angularvel", "angularrate", "rotationrate"}))
     return {LogQuantity::Gyroscope, component};
   return {LogQuantity::Time, -1};
 }
@@ -173,7 +181,8 @@ std::optional<LogQuantity> scalar_of(const std::string& letters) {
   if (begins_with_one_of(letters, {"time", "seconds", "secondselapsed", "sec", "millis"}) || letters == "t")
     return LogQuantity::Time;
   if (begins_with_one_of(letters, {"dist", "odo", "ticks", "encoder"})) return LogQuantity::Distance;
-  if (letters == "curve" || letters == "curveid" || letters == "line" || letters == "stroke") return LogQuantity::Curve;
+  if (letters == "curve" || letters == "curveid" || letters == "line" || letters == "stroke")
+    return LogQuantity::Curve;
   if (letters == "node" || letters == "nodeid" || letters == "marker") return LogQuantity::Node;
   return std::nullopt;
 }
@@ -241,7 +250,8 @@ std::string format_log_columns(const LogColumns& columns) {
     const auto& fields = columns[kQuantities[k]];
     if (!fields) continue;
     text += concat(text.empty() ? "" : ",", kKeys[k], "=");
-    for (std::size_t i = 0; i < fields->names.size(); ++i) text += concat(i == 0 ? "" : ":", fields->names[i]);
+    for (std::size_t i = 0; i < fields->names.size(); ++i)
+      text += concat(i == 0 ? "" : ":", fields->names[i]);
     if (!fields->unit.empty()) text += concat(":", fields->unit);
   }
   return text;
@@ -251,7 +261,9 @@ LogColumns guess_log_columns(const std::vector<std::string>& names) {
   LogColumns columns;
   for (const std::string& name : names) {
     const Name parts = taken_apart(name);
-    if (parts.letters.find("linear") != std::string::npos || parts.letters.find("gravity") != std::string::npos) continue;
+    if (parts.letters.find("linear") != std::string::npos ||
+        parts.letters.find("gravity") != std::string::npos)
+      continue;
     if (const auto [quantity, component] = component_of(parts.letters); component >= 0) {
       auto& fields = columns[quantity];
       if (!fields) {
@@ -265,14 +277,17 @@ LogColumns guess_log_columns(const std::vector<std::string>& names) {
     const auto quantity = scalar_of(parts.letters);
     if (!quantity) continue;
     // Of several times the first with a unit is taken: the other one is a date or counts nanoseconds.
-    if (columns[*quantity] && !(*quantity == LogQuantity::Time && parts.letters == "secondselapsed")) continue;
+    if (columns[*quantity] && !(*quantity == LogQuantity::Time && parts.letters == "secondselapsed"))
+      continue;
     columns[*quantity] = LogFields{{name}, {}, 1};
     const bool counted = *quantity == LogQuantity::Curve || *quantity == LogQuantity::Node;
-    if (!counted) set_unit(*quantity, parts.letters == "secondselapsed" ? "s" : parts.unit, *columns[*quantity]);
+    if (!counted)
+      set_unit(*quantity, parts.letters == "secondselapsed" ? "s" : parts.unit, *columns[*quantity]);
   }
   for (auto& fields : columns.fields)
     if (fields && fields->names.size() == 3 &&
-        std::any_of(fields->names.begin(), fields->names.end(), [](const std::string& n) { return n.empty(); }))
+        std::any_of(fields->names.begin(), fields->names.end(),
+                    [](const std::string& n) { return n.empty(); }))
       fields.reset();
   return columns;
 }
@@ -308,21 +323,28 @@ std::vector<std::string> log_oddities(const SensorLog& log) {
   const double acceleration = median_of(lengths_of(log.accelerometer));
   if (acceleration > 0 && (acceleration < 0.8 * kGravity || acceleration > 1.25 * kGravity)) {
     const std::string unit = nearest_unit(LogQuantity::Accelerometer, acceleration, kGravity);
-    oddities.push_back(concat("the accelerations are ", acceleration, " m/s2 in the middle, where gravity alone is 9.81",
-                              unit == "m/s2" ? std::string("; calibrate the device (batten calibrate)")
-                                             : concat("; are they in ", unit, "? Say so with --columns acc=X:Y:Z:", unit)));
+    oddities.push_back(
+        concat("the accelerations are ", acceleration, " m/s2 in the middle, where gravity alone is 9.81",
+               unit == "m/s2" ? std::string("; calibrate the device (batten calibrate)")
+                              : concat("; are they in ", unit, "? Say so with --columns acc=X:Y:Z:", unit)));
   }
   const double step = median_step(log);
   if (step >= 1)
     oddities.push_back(concat("a reading every ", step, " s: the times look like ",
-                              step >= 1e5 ? "ns" : step >= 1e3 ? "us" : "ms", "; say so with --columns time=NAME:",
-                              step >= 1e5 ? "ns" : step >= 1e3 ? "us" : "ms"));
+                              step >= 1e5   ? "ns"
+                              : step >= 1e3 ? "us"
+                                            : "ms",
+                              "; say so with --columns time=NAME:",
+                              step >= 1e5   ? "ns"
+                              : step >= 1e3 ? "us"
+                                            : "ms"));
   const double field = median_of(lengths_of(log.magnetometer));
   if (field > 0 && (field < 5 || field > 300)) {
     const std::string unit = nearest_unit(LogQuantity::Magnetometer, field, 40);
     if (unit != "uT")
-      oddities.push_back(concat("the magnetic field is ", field, " uT in the middle, where the Earth has 20 to 70; is it in ",
-                                unit, "? Say so with --columns mag=X:Y:Z:", unit));
+      oddities.push_back(concat("the magnetic field is ", field,
+                                " uT in the middle, where the Earth has 20 to 70; is it in ", unit,
+                                "? Say so with --columns mag=X:Y:Z:", unit));
   }
   return oddities;
 }

@@ -49,7 +49,8 @@ bool is_binary_stl(std::string_view content) {
   for (int k = 0; k < 4; ++k)
     n |= static_cast<std::uint32_t>(static_cast<unsigned char>(content[80 + static_cast<std::size_t>(k)]))
          << (8 * k);
-  return content.size() >= 84 + std::uint64_t{50} * n && n > 0 && content.size() < 84 + std::uint64_t{50} * n + 4096;
+  return content.size() >= 84 + std::uint64_t{50} * n && n > 0 &&
+         content.size() < 84 + std::uint64_t{50} * n + 4096;
 }
 
 /// Of formats that begin with numbers or with words of their own.
@@ -63,7 +64,8 @@ std::string extension_of_lines(const std::vector<std::string_view>& lines) {
   if (words.size() == 1 && parse_integer(words[0], count) && lines.size() > 1)
     // The vertices of a network follow, or the flags of the first curve of a scan.
     return words_of(lines[1]).size() >= 3 && words_of(lines[1])[1] != "#" ? "net" : "rawnet";
-  if (lines[0].find(',') != std::string_view::npos || lines[0].find(';') != std::string_view::npos) return "csv";
+  if (lines[0].find(',') != std::string_view::npos || lines[0].find(';') != std::string_view::npos)
+    return "csv";
   return {};
 }
 

@@ -116,7 +116,7 @@ void fill(const PolylineMesh& model, const DiffusionSurface& surface, ModelSurfa
 /// membranes, where that leaves fewer flaws: the others may only be crossed by one that bulges. What is left
 /// is filled together.
 void refill_folded(const std::vector<int>& face_of_triangle, const std::vector<char>& on_crease,
-                   ModelSurface& result) {
+                   ModelSurface& result, const Progress& progress) {
   constexpr size_t kMostFaces = 12;  // beyond that it is not single faces that are amiss
   const auto soundness_of = [&](const TriangleMesh& mesh) {
     return surface_soundness(mesh, turned_triangles(mesh, on_crease), face_of_triangle);
@@ -124,8 +124,12 @@ void refill_folded(const std::vector<int>& face_of_triangle, const std::vector<c
   const auto flaws_of = [](const SurfaceSoundness& s) { return s.crossing_pairs + s.turned_triangles; };
   result.soundness = soundness_of(result.mesh);
   if (result.soundness->broken_faces.size() > kMostFaces) return;
+  constexpr std::array<detail::Refill, 2> kWays{detail::Refill::Plate, detail::Refill::Membrane};
+  const double n_attempts = static_cast<double>(kWays.size() * (result.soundness->broken_faces.size() + 1));
+  double n_done = 0;
   std::map<int, detail::Refill> refilled;
   const auto attempt = [&](const std::vector<int>& faces, detail::Refill how) {
+    progress.report("fill folded faces", std::min(n_done++ / n_attempts, 1.0));
     TriangleMesh filled = result.mesh;
     detail::refill_faces(filled, face_of_triangle, faces, on_crease, how);
     SurfaceSoundness soundness = soundness_of(filled);
@@ -134,7 +138,6 @@ void refill_folded(const std::vector<int>& face_of_triangle, const std::vector<c
     result.soundness = std::move(soundness);
     for (const int face : faces) refilled[face] = how;
   };
-  constexpr std::array<detail::Refill, 2> kWays{detail::Refill::Plate, detail::Refill::Membrane};
   for (const int face : std::vector<int>(result.soundness->broken_faces))
     for (const detail::Refill how : kWays) {
       const std::vector<int>& broken = result.soundness->broken_faces;
@@ -163,7 +166,7 @@ void subdivide_to_limit(const DiffusionSurface& surface, int levels, ModelSurfac
   result.mesh = std::move(limit.mesh);
   {
     const ScopedStage stage(result.times, "check");
-    refill_folded(limit.face_of_triangle, limit.on_crease, result);
+    refill_folded(limit.face_of_triangle, limit.on_crease, result, progress);
   }
   if (!result.soundness->is_sound()) result.warnings.push_back(result.soundness->sentence());
 }
