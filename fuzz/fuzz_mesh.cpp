@@ -9,7 +9,7 @@
 /// file.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string content(data, data + size);
-  for (const char* name : {"input.ply", "input.obj", "input.off", "input.stl"}) {
+  for (const char* name : {"input.ply", "input.obj", "input.off", "input.stl", "input.glb"}) {
     try {
       const batten::TriangleMesh mesh = batten::parse_mesh(content, name);
       batten::format_mesh(mesh, batten::MeshFormat::Ply);

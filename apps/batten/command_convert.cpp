@@ -21,7 +21,7 @@ namespace batten::cli {
 namespace {
 
 struct ConvertArguments {
-  std::string in, out, resample, weld, columns;
+  std::string in, out, resample, weld, columns, unit;
   bool ascii = false, sketch = false;
 };
 
@@ -97,6 +97,13 @@ void convert_mesh(const TriangleMesh& mesh, const ConvertArguments& arguments, O
   const MeshFormat format = mesh_format(arguments.out);
   MeshWriteOptions options;
   options.ascii = arguments.ascii;
+  if (!arguments.unit.empty()) {
+    options.metres_per_unit = parse_length("1" + arguments.unit).value;
+    outcome.figures["unit"] = arguments.unit;
+    if (!has_unit(format))
+      outcome.warnings.push_back(concat(
+          arguments.out, " cannot say its unit: its numbers stay those of the input, in ", arguments.unit));
+  }
   for (const std::string& loss : losses_in_format(mesh, format, options)) outcome.warnings.push_back(loss);
   {
     ScopedStage stage(outcome.times, "write");
@@ -189,6 +196,18 @@ void add_convert(CLI::App& app) {
       ->check(length_problem);
   command->add_flag("--sketch", arguments->sketch,
                     "Networks without normals: mend and sample the strokes as `surface` does, with normals");
+  command
+      ->add_option(
+          "--unit", arguments->unit,
+          "Meshes: the unit of the numbers of IN (m, cm, mm, um, in, ft); .glb is written in metres, .3mf in "
+          "millimetres; m where nothing is said")
+      ->check([](const std::string& text) {
+        try {
+          if (parse_length("1" + text).kind == Length::Kind::Metres) return std::string();
+        } catch (const InvalidInput&) {
+        }
+        return concat("'", text, "' is no unit of length; use m, cm, mm, um, km, in or ft");
+      });
   command->add_flag("--ascii", arguments->ascii, "Meshes: write PLY and STL as text");
 }
 

@@ -98,7 +98,7 @@ void write_refined(const SubdivideArguments& arguments, RefinedCage refined, Out
   outcome.figures["faces"] = mesh.n_faces();
   {
     const ScopedStage stage(outcome.times, "write");
-    if (mesh_format(arguments.output) == MeshFormat::Stl)
+    if (!holds_polygons(mesh_format(arguments.output)))
       write_mesh(arguments.output, refined.triangles);
     else
       write_cage(arguments.output, refined.cage, refined.normals);
@@ -140,8 +140,8 @@ Outcome run_subdivide(const SubdivideArguments& arguments, const Context& contex
     const ScopedStage stage(outcome.times, "read");
     cage = read_cage(arguments.cage, &outcome.warnings);
   }
-  if (!arguments.output.empty() && mesh_format(arguments.output) == MeshFormat::Stl)
-    outcome.warnings.emplace_back("STL holds triangles only: every quad was split into two");
+  if (!arguments.output.empty() && !holds_polygons(mesh_format(arguments.output)))
+    outcome.warnings.emplace_back("this format holds triangles only: every quad was split into two");
   SubdividedCage result = subdivided_cage(cage, options_of(arguments), context.progress);
   add_run(result.times, result.warnings, outcome);
   report_cage(result, outcome.figures);

@@ -8,7 +8,7 @@
 
 #include "batten/core/random.hpp"
 #include "batten/io/file.hpp"
-#include "batten/session/archive_detail.hpp"
+#include "batten/io/zip_archive.hpp"
 #include "batten/session/journal.hpp"
 
 namespace batten {
@@ -73,7 +73,7 @@ TEST(Project, LongListsAreEntriesAndEqualOnesAreHeldOnce) {
   mesh.triangles = Triangles::Zero(40, 3);
   Document document;
   document.apply(AddEdit{{}, "mesh", "", std::make_shared<const TriangleMesh>(mesh)});
-  const auto entries = detail::parse_archive(format_project(document));
+  const auto entries = parse_archive(format_project(document));
   // project.json and the line of the journal name the same two entries.
   ASSERT_EQ(entries.size(), 4u);
   EXPECT_EQ(entries.at("arrays/0.f64").size(), 50u * 3 * 8);
@@ -87,10 +87,10 @@ TEST(Project, LongListsAreEntriesAndEqualOnesAreHeldOnce) {
 }
 
 TEST(Project, StoredObjectsHoldWhereTheJournalLeadsElsewhere) {
-  auto entries = detail::parse_archive(format_project(sphere()));
+  auto entries = parse_archive(format_project(sphere()));
   std::string& journal = entries["journal.jsonl"];
   journal.erase(journal.rfind("{\"op\":\"undo\"}"));
-  ProjectFile read = parse_project(detail::format_archive(entries), "p.batten");
+  ProjectFile read = parse_project(format_archive(entries), "p.batten");
   ASSERT_EQ(read.warnings.size(), 1u);
   EXPECT_NE(read.warnings[0].find("p.batten: its journal does not lead"), std::string::npos);
   EXPECT_TRUE(read.document == sphere());
@@ -115,7 +115,7 @@ TEST(Project, CutOffOrDamagedFilesAreToldAndNeverCrash) {
 }
 
 TEST(Project, DamageWithinEntriesIsToldAndNeverCrashes) {
-  const auto entries = detail::parse_archive(format_project(sphere()));
+  const auto entries = parse_archive(format_project(sphere()));
   Random random(4);
   int n_refused = 0;
   for (int k = 0; k < 300; ++k) {
@@ -124,7 +124,7 @@ TEST(Project, DamageWithinEntriesIsToldAndNeverCrashes) {
     std::advance(entry, static_cast<std::ptrdiff_t>(random.below(damaged.size())));
     entry->second[random.below(entry->second.size())] ^= static_cast<char>(1 + random.below(255));
     try {
-      parse_project(detail::format_archive(damaged), "p.batten");
+      parse_project(format_archive(damaged), "p.batten");
     } catch (const FileError& error) {
       EXPECT_EQ(error.path(), "p.batten");
       ++n_refused;
@@ -134,7 +134,7 @@ TEST(Project, DamageWithinEntriesIsToldAndNeverCrashes) {
   for (const char* missing : {"project.json", "journal.jsonl", "arrays/0.f64"}) {
     auto damaged = entries;
     damaged.erase(missing);
-    EXPECT_THROW(parse_project(detail::format_archive(damaged), "p.batten"), FileError) << missing;
+    EXPECT_THROW(parse_project(format_archive(damaged), "p.batten"), FileError) << missing;
   }
 }
 

@@ -342,9 +342,11 @@ std::string format_cage(const ControlCage& cage, const std::string& path, const 
     case MeshFormat::Off:
       return off_text(cage.mesh, normals);
     case MeshFormat::Stl:
+    case MeshFormat::Gltf:
+    case MeshFormat::ThreeMf:
       break;
   }
-  throw FileError(path, 0, "STL holds triangles only; use .ply, .obj or .off for polygons");
+  throw FileError(path, 0, "this format holds triangles only; use .ply, .obj or .off for polygons");
 }
 
 void write_cage(const std::string& path, const ControlCage& cage, const Points& normals) {

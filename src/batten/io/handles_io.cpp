@@ -24,8 +24,8 @@ class HandleReader {
   HandleReader(const std::string& path, const Points& positions)
       : path_(path), positions_(positions), user_(positions.rows()) {}
 
-  Handles read() {
-    const Json json = Json::parse(read_file(path_), nullptr, false);
+  Handles read(const std::string& text) {
+    const Json json = Json::parse(text, nullptr, false);
     if (json.is_discarded()) fail("is not JSON; see docs/deform.md for the form of handles");
     check_object(json, "the file", {"fixed", "handles"});
     Handles handles;
@@ -140,7 +140,11 @@ class HandleReader {
 }  // namespace
 
 Handles read_handles(const std::string& path, const Points& positions) {
-  return HandleReader(path, positions).read();
+  return parse_handles(read_file(path), path, positions);
+}
+
+Handles parse_handles(const std::string& text, const std::string& name, const Points& positions) {
+  return HandleReader(name, positions).read(text);
 }
 
 }  // namespace batten

@@ -13,5 +13,7 @@ namespace batten {
 /// @throws FileError naming the member: unknown or wrong, a selection without vertices, a vertex selected
 /// twice.
 Handles read_handles(const std::string& path, const Points& positions);
+/// The same from memory; `name` stands for the path in errors.
+Handles parse_handles(const std::string& text, const std::string& name, const Points& positions);
 
 }  // namespace batten

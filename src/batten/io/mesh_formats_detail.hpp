@@ -1,4 +1,5 @@
 #pragma once
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -37,6 +38,11 @@ RawMesh parse_ply(std::string_view content, const std::string& path);
 RawMesh parse_obj_mesh(std::string content, const std::string& path);
 RawMesh parse_off(std::string content, const std::string& path);
 RawMesh parse_stl(std::string content, const std::string& path);
+/// Of a GLB, or a glTF with its buffers beside it: all meshes of the scene in their places, as one.
+RawMesh parse_gltf(std::string_view content, const std::string& path);
+
+std::string glb_bytes(const TriangleMesh& mesh, double metres_per_unit);
+std::string threemf_bytes(const TriangleMesh& mesh, double metres_per_unit);
 
 /// The mesh of a file of any format, found by content and extension; `notes` gets what differs between both.
 RawMesh parse_raw_mesh(std::string content, const std::string& path, std::vector<std::string>& notes);
@@ -46,6 +52,8 @@ TriangleMesh finished_mesh(RawMesh&& raw, const std::string& path, std::vector<s
 
 /// True when the bytes can only be a binary STL: 80 bytes, a count, and exactly 50 bytes for each.
 bool is_binary_stl(std::string_view content);
+/// Whether the bytes are a GLB, or JSON that looks like glTF.
+bool begins_as_gltf(std::string_view content);
 /// Whether a text begins as STL does: `solid`, in any letters.
 bool begins_as_text_stl(std::string_view content);
 

@@ -171,6 +171,10 @@ bool sniffed_format(std::string_view content, MeshFormat& format) {
     format = MeshFormat::Stl;
     return true;
   }
+  if (detail::begins_as_gltf(content)) {
+    format = MeshFormat::Gltf;
+    return true;
+  }
   if (detail::begins_as_text_stl(content)) {
     format = MeshFormat::Stl;
     return true;
@@ -195,6 +199,10 @@ bool format_of_extension(const std::string& extension, MeshFormat& format) {
     format = MeshFormat::Off;
   else if (extension == "stl")
     format = MeshFormat::Stl;
+  else if (extension == "glb" || extension == "gltf")
+    format = MeshFormat::Gltf;
+  else if (extension == "3mf")
+    format = MeshFormat::ThreeMf;
   else
     return false;
   return true;
@@ -210,6 +218,10 @@ const char* name_of(MeshFormat format) {
       return "OFF";
     case MeshFormat::Stl:
       return "STL";
+    case MeshFormat::Gltf:
+      return "glTF";
+    case MeshFormat::ThreeMf:
+      return "3MF";
   }
   return "";
 }
@@ -385,7 +397,9 @@ void refuse_compressed(const std::string& path) {
 MeshFormat mesh_format(std::string_view path) {
   MeshFormat format = MeshFormat::Ply;
   if (!format_of_extension(output_extension(path, "ply"), format))
-    throw UnknownExtension(path, "is no mesh file by its extension; use .ply, .obj, .off or .stl");
+    throw UnknownExtension(path,
+                           "is no mesh file by its extension; use .ply, .obj, .off, .stl, .glb or .3mf");
+  if (file_extension(path) == "gltf") throw UnknownExtension(path, "is read and not written; use .glb");
   return format;
 }
 
@@ -398,7 +412,7 @@ RawMesh parse_raw_mesh(std::string content, const std::string& path, std::vector
   const bool named =
       format_of_extension(path == "-" ? extension_of_content(content) : file_extension(path), format);
   if (!shown && !named)
-    throw FileError(path, 0, "is not recognised as a mesh; use a .ply, .obj, .off or .stl file");
+    throw FileError(path, 0, "is not recognised as a mesh; use a .ply, .obj, .off, .stl or .glb file");
   if (shown && (!named || by_content != format)) {
     if (named)
       notes.push_back(
@@ -414,6 +428,10 @@ RawMesh parse_raw_mesh(std::string content, const std::string& path, std::vector
       return parse_off(std::move(content), path);
     case MeshFormat::Stl:
       return parse_stl(std::move(content), path);
+    case MeshFormat::Gltf:
+      return parse_gltf(content, path);
+    case MeshFormat::ThreeMf:
+      throw FileError(path, 0, "3MF is written and not read; export .stl, .obj or .glb");
   }
   return {};
 }
@@ -442,6 +460,10 @@ std::string format_mesh(const TriangleMesh& mesh, MeshFormat format, const MeshW
       return off_text(mesh);
     case MeshFormat::Stl:
       return stl_text(mesh, options.ascii);
+    case MeshFormat::Gltf:
+      return detail::glb_bytes(mesh, options.metres_per_unit);
+    case MeshFormat::ThreeMf:
+      return detail::threemf_bytes(mesh, options.metres_per_unit);
   }
   return {};
 }
@@ -451,16 +473,31 @@ void write_mesh(const std::string& path, const TriangleMesh& mesh, const MeshWri
   write_file(path, format_mesh(mesh, mesh_format(path), options));
 }
 
+bool holds_polygons(MeshFormat format) {
+  return format == MeshFormat::Ply || format == MeshFormat::Obj || format == MeshFormat::Off;
+}
+
+bool has_unit(MeshFormat format) {
+  return format == MeshFormat::Gltf || format == MeshFormat::ThreeMf;
+}
+
 std::vector<std::string> losses_in_format(const TriangleMesh& mesh, MeshFormat format,
                                           const MeshWriteOptions& options) {
   std::vector<std::string> losses;
   if (format == MeshFormat::Ply) return losses;
-  if (!mesh.vertex_values.empty()) {
-    std::string names;
-    for (const auto& [name, values] : mesh.vertex_values) names += (names.empty() ? "" : ", ") + name;
+  std::string names;
+  for (const auto& [name, values] : mesh.vertex_values) {
+    const bool colour = name == "red" || name == "green" || name == "blue";
+    if (format != MeshFormat::Gltf || !colour) names += (names.empty() ? "" : ", ") + name;
+  }
+  if (!names.empty()) {
     losses.push_back(
         concat(name_of(format), " cannot hold the values per vertex (", names, "); use .ply to keep them"));
   }
+  if (format == MeshFormat::Gltf)
+    losses.emplace_back("glTF rounds coordinates to single precision (7 digits)");
+  if (format == MeshFormat::ThreeMf && has_normals(mesh))
+    losses.emplace_back("3MF cannot hold the normals of the vertices; use .ply to keep them");
   if (format == MeshFormat::Stl) {
     if (has_normals(mesh))
       losses.emplace_back("STL cannot hold the normals of the vertices; use .ply to keep them");

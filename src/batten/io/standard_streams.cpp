@@ -90,6 +90,7 @@ std::string output_extension(std::string_view path, std::string_view standard) {
 std::string extension_of_content(std::string_view content) {
   if (content.substr(0, 3) == "\xEF\xBB\xBF") content.remove_prefix(3);
   if (content.substr(0, 4) == "PK\x03\x04") return "batten";
+  if (content.substr(0, 4) == "glTF") return "glb";
   if (content.substr(0, 4) == "ply\n" || content.substr(0, 4) == "ply\r") return "ply";
   const std::string_view begin = trim(content.substr(0, 2000));
   if (lower_case(begin.substr(0, 5)) == "solid" &&

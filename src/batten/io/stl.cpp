@@ -1,10 +1,10 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <unordered_map>
 
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
+#include "batten/io/exact_merger_detail.hpp"
 #include "batten/io/mesh_formats_detail.hpp"
 
 namespace batten::detail {
@@ -18,39 +18,6 @@ std::uint32_t little_uint32(const char* bytes) {
   for (int k = 4; k-- > 0;) value = value << 8 | static_cast<unsigned char>(bytes[k]);
   return value;
 }
-
-/// STL repeats the corners of every triangle; those with the same coordinates, bit for bit, are one vertex.
-class ExactMerger {
- public:
-  explicit ExactMerger(RawMesh& mesh) : mesh_(mesh) {}
-
-  int vertex(double x, double y, double z) {
-    const Key key{x + 0.0, y + 0.0, z + 0.0};  // −0 becomes +0
-    const auto [place, fresh] = numbers_.try_emplace(key, static_cast<int>(mesh_.positions.size() / 3));
-    if (fresh) mesh_.positions.insert(mesh_.positions.end(), {key.x, key.y, key.z});
-    return place->second;
-  }
-
- private:
-  struct Key {
-    double x, y, z;
-    bool operator==(const Key&) const = default;
-  };
-  struct Hash {
-    size_t operator()(const Key& key) const {
-      std::uint64_t hash = 0x9E3779B97F4A7C15ull;
-      for (const double value : {key.x, key.y, key.z}) {
-        std::uint64_t bits = 0;
-        std::memcpy(&bits, &value, sizeof bits);
-        hash = (hash ^ bits) * 0xD6E8FEB86659FD93ull;
-        hash ^= hash >> 32;
-      }
-      return static_cast<size_t>(hash);
-    }
-  };
-  RawMesh& mesh_;
-  std::unordered_map<Key, int, Hash> numbers_;
-};
 
 RawMesh parse_binary(std::string_view content, const std::string& path) {
   RawMesh mesh;

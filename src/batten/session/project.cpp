@@ -6,7 +6,7 @@
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
 #include "batten/io/file.hpp"
-#include "batten/session/archive_detail.hpp"
+#include "batten/io/zip_archive.hpp"
 #include "batten/session/content_json_detail.hpp"
 #include "batten/session/durable_file_detail.hpp"
 #include "batten/session/edit_json.hpp"
@@ -129,7 +129,7 @@ std::string format_project(const Document& document) {
     journal += detail::format_json(line) + '\n';
   }
   entries["project.json"] = detail::format_json(project, true) + '\n';
-  return detail::format_archive(entries);
+  return format_archive(entries);
 }
 
 void write_project(const std::string& path, const Document& document) {
@@ -142,7 +142,7 @@ void write_project(const std::string& path, const Document& document) {
 ProjectFile parse_project(const std::string& bytes, const std::string& path) {
   ProjectFile file;
   try {
-    const Entries entries = detail::parse_archive(bytes);
+    const Entries entries = parse_archive(bytes);
     Json project = parsed_entry(entries, "project.json");
     const Json* format = project.find("batten_project");
     if (!format || (!(*format == Json(1)) && !(*format == Json(2))))

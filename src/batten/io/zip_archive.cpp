@@ -1,10 +1,11 @@
+#include "batten/io/zip_archive.hpp"
+
 #include <array>
 #include <cstdint>
 
 #include "batten/core/error.hpp"
-#include "batten/session/archive_detail.hpp"
 
-namespace batten::detail {
+namespace batten {
 
 namespace {
 
@@ -17,7 +18,7 @@ void put(std::string& out, std::uint64_t value, int bytes) {
 }
 
 std::uint32_t get(const std::string& bytes, size_t at, int n) {
-  if (at + static_cast<size_t>(n) > bytes.size()) throw InvalidInput("the project file is cut off");
+  if (at + static_cast<size_t>(n) > bytes.size()) throw InvalidInput("the file is cut off");
   std::uint32_t value = 0;
   for (int i = 0; i < n; ++i)
     value |= static_cast<std::uint32_t>(static_cast<unsigned char>(bytes[at + static_cast<size_t>(i)]))
@@ -90,34 +91,33 @@ std::string format_archive(const std::map<std::string, std::string>& entries) {
 
 std::map<std::string, std::string> parse_archive(const std::string& bytes) {
   if (bytes.size() < kEndSize || get(bytes, 0, 4) != kLocal)
-    throw InvalidInput("this is no project file (it does not begin as a zip file)");
+    throw InvalidInput("this does not begin as a zip file");
   size_t end = bytes.size() - kEndSize;
   while (get(bytes, end, 4) != kEnd) {
-    if (end == 0 || bytes.size() - end > 65557) throw InvalidInput("the project file is cut off");
+    if (end == 0 || bytes.size() - end > 65557) throw InvalidInput("the file is cut off");
     --end;
   }
   const std::uint32_t n = get(bytes, end + 10, 2);
   size_t at = get(bytes, end + 16, 4);
   std::map<std::string, std::string> entries;
   for (std::uint32_t k = 0; k < n; ++k) {
-    if (get(bytes, at, 4) != kCentral) throw InvalidInput("the directory of the project file is damaged");
+    if (get(bytes, at, 4) != kCentral) throw InvalidInput("the directory of the file is damaged");
     const std::uint32_t method = get(bytes, at + 10, 2), sum = get(bytes, at + 16, 4),
                         size = get(bytes, at + 24, 4), name_size = get(bytes, at + 28, 2),
                         local = get(bytes, at + 42, 4);
-    if (at + kCentralSize + name_size > bytes.size()) throw InvalidInput("the project file is cut off");
+    if (at + kCentralSize + name_size > bytes.size()) throw InvalidInput("the file is cut off");
     const std::string name = bytes.substr(at + kCentralSize, name_size);
     if (method != 0)
-      throw InvalidInput("the entry " + name + " of the project file is compressed; store it uncompressed");
-    if (get(bytes, local, 4) != kLocal)
-      throw InvalidInput("the entry " + name + " of the project file is damaged");
+      throw InvalidInput("the entry " + name + " of the file is compressed; store it uncompressed");
+    if (get(bytes, local, 4) != kLocal) throw InvalidInput("the entry " + name + " of the file is damaged");
     const size_t start = local + kLocalSize + get(bytes, local + 26, 2) + get(bytes, local + 28, 2);
-    if (start + size > bytes.size()) throw InvalidInput("the project file is cut off");
+    if (start + size > bytes.size()) throw InvalidInput("the file is cut off");
     std::string content = bytes.substr(start, size);
-    if (checksum(content) != sum) throw InvalidInput("the entry " + name + " of the project file is damaged");
+    if (checksum(content) != sum) throw InvalidInput("the entry " + name + " of the file is damaged");
     entries[name] = std::move(content);
     at += kCentralSize + name_size + get(bytes, at + 30, 2) + get(bytes, at + 32, 2);
   }
   return entries;
 }
 
-}  // namespace batten::detail
+}  // namespace batten

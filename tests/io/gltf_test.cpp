@@ -1,0 +1,205 @@
+#include "scratch.hpp"
+
+#include <cstring>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "batten/core/error.hpp"
+#include "batten/io/mesh_io.hpp"
+#include "batten/io/zip_archive.hpp"
+
+namespace batten {
+namespace {
+
+using Json = nlohmann::json;
+
+/// A tetrahedron with coordinates that single precision holds, normals and colours.
+TriangleMesh tetrahedron() {
+  TriangleMesh mesh;
+  mesh.positions.resize(4, 3);
+  mesh.positions << 0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0, 0.5;
+  mesh.triangles.resize(4, 3);
+  mesh.triangles << 0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3;
+  mesh.normals = mesh.positions.rowwise() - mesh.positions.colwise().mean();
+  mesh.normals.rowwise().normalize();
+  mesh.vertex_values["red"] = Eigen::Vector4d(0, 255, 17, 128);
+  mesh.vertex_values["green"] = Eigen::Vector4d(255, 0, 3, 128);
+  mesh.vertex_values["blue"] = Eigen::Vector4d(9, 8, 7, 6);
+  return mesh;
+}
+
+TEST(Gltf, ReadsBackWhatItWrote) {
+  const TriangleMesh mesh = tetrahedron();
+  std::vector<std::string> warnings;
+  const TriangleMesh back = parse_mesh(format_mesh(mesh, MeshFormat::Gltf), "a.glb", &warnings);
+  EXPECT_TRUE(warnings.empty());
+  EXPECT_EQ(back.positions, mesh.positions);
+  EXPECT_EQ(back.triangles, mesh.triangles);
+  EXPECT_LT((back.normals - mesh.normals).norm(), 1e-6);
+  for (const char* name : {"red", "green", "blue"})
+    EXPECT_LT((back.vertex_values.at(name) - mesh.vertex_values.at(name)).norm(), 1e-4) << name;
+  // Metres, whatever the mesh is in.
+  MeshWriteOptions options;
+  options.metres_per_unit = 0.001;
+  EXPECT_LT(
+      (parse_mesh(format_mesh(mesh, MeshFormat::Gltf, options), "a.glb").positions - 0.001 * mesh.positions)
+          .norm(),
+      1e-9);
+}
+
+// What the specification asks of every file: lengths, alignment, and the range of the positions, with +Y up.
+TEST(Gltf, WritesWhatTheSpecificationAsksFor) {
+  const std::string bytes = format_mesh(tetrahedron(), MeshFormat::Gltf);
+  const auto number = [&](size_t at) {
+    std::uint32_t value = 0;
+    std::memcpy(&value, bytes.data() + at, 4);
+    return value;
+  };
+  EXPECT_EQ(bytes.substr(0, 4), "glTF");
+  EXPECT_EQ(number(8), bytes.size());
+  EXPECT_EQ(number(12) % 4, 0U);
+  const Json json = Json::parse(bytes.substr(20, number(12)));
+  EXPECT_EQ(json["accessors"][0]["min"], (std::vector<double>{0, 0, -2}));
+  EXPECT_EQ(json["accessors"][0]["max"], (std::vector<double>{1, 0.5, 0}));
+  for (const Json& view : json["bufferViews"]) EXPECT_EQ(view["byteOffset"].get<int>() % 4, 0);
+  EXPECT_EQ(json["buffers"][0]["byteLength"], number(20 + number(12)));
+}
+
+std::string as_text(const std::vector<float>& values) {
+  static const char* const kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string bytes(4 * values.size(), '\0'), text;
+  std::memcpy(bytes.data(), values.data(), bytes.size());
+  while (bytes.size() % 3 != 0) bytes += '\0';
+  for (size_t i = 0; i < bytes.size(); i += 3) {
+    const auto bits = static_cast<std::uint32_t>(static_cast<unsigned char>(bytes[i])) << 16 |
+                      static_cast<std::uint32_t>(static_cast<unsigned char>(bytes[i + 1])) << 8 |
+                      static_cast<unsigned char>(bytes[i + 2]);
+    for (int k = 18; k >= 0; k -= 6) text += kDigits[bits >> k & 63];
+  }
+  return text;
+}
+
+/// A .gltf whose buffer is in its text: one triangle in a node with this transform.
+Json triangle_file(const Json& node) {
+  const std::vector<float> corners{0, 0, 0, 1, 0, 0, 0, 1, 0};
+  return {{"asset", {{"version", "2.0"}}},
+          {"scenes", {{{"nodes", {0}}}}},
+          {"nodes", {node}},
+          {"meshes", {{{"primitives", {{{"attributes", {{"POSITION", 0}}}}}}}}},
+          {"buffers",
+           {{{"byteLength", 36}, {"uri", "data:application/octet-stream;base64," + as_text(corners)}}}},
+          {"bufferViews", {{{"buffer", 0}, {"byteLength", 36}}}},
+          {"accessors", {{{"bufferView", 0}, {"componentType", 5126}, {"count", 3}, {"type", "VEC3"}}}}};
+}
+
+Eigen::RowVector3d turned_up(double x, double y, double z) {
+  return {x, -z, y};
+}
+
+TEST(Gltf, NodesPutMeshesInTheirPlaces) {
+  const double half = std::sqrt(0.5);
+  const Json node = {
+      {"mesh", 0}, {"translation", {10, 20, 30}}, {"rotation", {0, 0, half, half}}, {"scale", {2, 3, 4}}};
+  const TriangleMesh mesh = parse_mesh(triangle_file(node).dump(), "a.gltf");
+  // x is doubled and turned to y; y is tripled and turned to −x.
+  EXPECT_LT((mesh.positions.row(0) - turned_up(10, 20, 30)).norm(), 1e-12);
+  EXPECT_LT((mesh.positions.row(1) - turned_up(10, 22, 30)).norm(), 1e-12);
+  EXPECT_LT((mesh.positions.row(2) - turned_up(7, 20, 30)).norm(), 1e-12);
+  // A mirror turns faces, so that they look out as before.
+  const TriangleMesh plain = parse_mesh(triangle_file({{"mesh", 0}}).dump(), "a.gltf"),
+                     mirrored =
+                         parse_mesh(triangle_file({{"mesh", 0}, {"scale", {1, 1, -1}}}).dump(), "a.gltf");
+  EXPECT_EQ(plain.triangles.row(0), Eigen::RowVector3i(0, 1, 2));
+  EXPECT_EQ(mirrored.triangles.row(0), Eigen::RowVector3i(0, 2, 1));
+}
+
+TEST(Gltf, StripsAndFansBecomeTriangles) {
+  Json file = triangle_file({{"mesh", 0}});
+  const std::vector<float> corners{0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0};
+  file["buffers"][0] = {{"byteLength", 48}, {"uri", "data:;base64," + as_text(corners)}};
+  file["bufferViews"][0]["byteLength"] = 48;
+  file["accessors"][0]["count"] = 4;
+  file["meshes"][0]["primitives"][0]["mode"] = 5;
+  Triangles strip(2, 3), fan(2, 3);
+  strip << 0, 1, 2, 2, 1, 3;
+  fan << 0, 1, 2, 0, 2, 3;
+  EXPECT_EQ(parse_mesh(file.dump(), "a.gltf").triangles, strip);
+  file["meshes"][0]["primitives"][0]["mode"] = 6;
+  EXPECT_EQ(parse_mesh(file.dump(), "a.gltf").triangles, fan);
+  // Two primitives with a corner in common share it.
+  file["meshes"][0]["primitives"].push_back(file["meshes"][0]["primitives"][0]);
+  EXPECT_EQ(parse_mesh(file.dump(), "a.gltf").n_vertices(), 4);
+}
+
+TEST(Gltf, BrokenFilesAreRefusedInWords) {
+  const Json good = triangle_file({{"mesh", 0}});
+  const auto with = [&](const char* place, const Json& value) {
+    Json file = good;
+    file[Json::json_pointer(place)] = value;
+    return file.dump();
+  };
+  const std::string glb = format_mesh(tetrahedron(), MeshFormat::Gltf);
+  const std::pair<std::string, const char*> kFiles[] = {
+      {glb.substr(0, 15), "cut off"},
+      {glb.substr(0, glb.size() - 30), "cut off"},
+      {std::string("glTF\1\0\0\0", 8) + glb.substr(8), "version 1"},
+      {with("/accessors/0/count", 1000000000), "beyond the end"},
+      {with("/accessors/0/count", 18446744073709551615ull), "beyond the end"},
+      {with("/accessors/0/bufferView", 7), "which has 1"},
+      {with("/accessors/0/componentType", 99), "does not know"},
+      {with("/accessors/0/count", -1), "whole number"},
+      {with("/accessors/0/sparse", Json::object()), "sparse"},
+      {with("/nodes/0/children", Json{0}), "without end"},
+      {with("/nodes/0/mesh", "first"), "whole number"},
+      {with("/nodes/0/scale", Json{1, 2}), "wrong size"},
+      {with("/buffers/0/byteLength", 99), "shorter than it says"},
+      {with("/buffers/0/uri", "missing.bin"), "missing.bin"},
+      {with("/extensionsRequired", Json{"KHR_draco_mesh_compression"}), "without compression"},
+      {with("/meshes/0/primitives/0/indices", 0), "type"},
+      {with("/asset", 3), ""},
+  };
+  for (const auto& [file, words] : kFiles) {
+    try {
+      parse_mesh(file, "a.gltf");
+      EXPECT_STREQ(words, "") << file.substr(0, 200);
+    } catch (const FileError& error) {
+      EXPECT_NE(std::string(error.what()).find(words), std::string::npos) << error.what();
+    }
+  }
+}
+
+TEST(Gltf, ReadsBuffersBesideTheFile) {
+  Json file = triangle_file({{"mesh", 0}});
+  file["buffers"][0]["uri"] = "beside.bin";
+  const std::vector<float> corners{0, 0, 0, 1, 0, 0, 0, 1, 0};
+  std::ofstream(test::scratch_file("beside.bin"), std::ios::binary)
+      .write(reinterpret_cast<const char*>(corners.data()), 36);
+  std::ofstream(test::scratch_file("a.gltf")) << file.dump();
+  EXPECT_EQ(read_mesh(test::scratch_file("a.gltf")).n_triangles(), 1);
+}
+
+TEST(ThreeMf, HoldsMillimetresExactly) {
+  TriangleMesh mesh = tetrahedron();
+  mesh.positions(1, 0) = 1.0 / 3;
+  MeshWriteOptions options;
+  options.metres_per_unit = 0.0254;
+  const auto entries = parse_archive(format_mesh(mesh, MeshFormat::ThreeMf, options));
+  EXPECT_EQ(entries.size(), 3U);
+  const std::string& model = entries.at("3D/3dmodel.model");
+  EXPECT_NE(model.find("unit=\"millimeter\""), std::string::npos);
+  const size_t second = model.find("<vertex", model.find("<vertex x") + 1);
+  EXPECT_DOUBLE_EQ(std::stod(model.substr(model.find("x=\"", second) + 3)), 25.4 / 3);
+  EXPECT_NE(model.find("<triangle v1=\"0\" v2=\"2\" v3=\"1\"/>"), std::string::npos);
+  EXPECT_NE(entries.at("_rels/.rels").find("/3D/3dmodel.model"), std::string::npos);
+  mesh.triangles(0, 1) = 0;
+  EXPECT_THROW(format_mesh(mesh, MeshFormat::ThreeMf), InvalidInput);
+  EXPECT_THROW(parse_mesh("PK\x03\x04", "a.3mf"), FileError);
+}
+
+}  // namespace
+}  // namespace batten
