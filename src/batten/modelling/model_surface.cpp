@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include "batten/core/error.hpp"
 #include "batten/core/index.hpp"
 #include "batten/core/text.hpp"
+#include "batten/mesh/box_tree.hpp"
 #include "batten/mesh/quality.hpp"
 #include "batten/modelling/model_network.hpp"
 #include "batten/modelling/refilling_detail.hpp"
@@ -112,40 +114,99 @@ void fill(const PolylineMesh& model, const DiffusionSurface& surface, ModelSurfa
   check(filled.turned, filled.face_of_triangle, result);
 }
 
+/// A finished mesh with the faces of the model that its triangles belong to.
+struct CheckedMesh {
+  const std::vector<int>& face_of_triangle;
+  const std::vector<char>& on_crease;
+
+  SurfaceSoundness soundness(const TriangleMesh& mesh) const {
+    return surface_soundness(mesh, turned_triangles(mesh, on_crease), face_of_triangle);
+  }
+
+  /// The same for some of the triangles, among themselves.
+  SurfaceSoundness soundness(const TriangleMesh& mesh, const std::vector<Eigen::Index>& some) const {
+    TriangleMesh part;
+    part.positions = mesh.positions;
+    part.normals = mesh.normals;
+    part.triangles.resize(static_cast<Eigen::Index>(some.size()), 3);
+    std::vector<int> faces;
+    for (size_t k = 0; k < some.size(); ++k) {
+      part.triangles.row(static_cast<Eigen::Index>(k)) = mesh.triangles.row(some[k]);
+      faces.push_back(face_of_triangle[static_cast<size_t>(some[k])]);
+    }
+    return surface_soundness(part, turned_triangles(part, on_crease), faces);
+  }
+
+  /// The triangles of some faces and all that are near to them in either of two meshes with the same
+  /// triangles: what changes in these faces changes nothing among the others.
+  std::vector<Eigen::Index> around(const TriangleMesh& before, const TriangleMesh& after,
+                                   const std::vector<int>& faces) const {
+    const auto box_of = [&](Eigen::Index t) {
+      Box box{before.positions.row(before.triangles(t, 0)), before.positions.row(before.triangles(t, 0))};
+      for (const TriangleMesh* mesh : {&before, &after})
+        for (int k = 0; k < 3; ++k) {
+          const Eigen::Vector3d p = mesh->positions.row(mesh->triangles(t, k));
+          box.include({p, p});
+        }
+      return box;
+    };
+    const auto is_in = [&](Eigen::Index t) {
+      return std::find(faces.begin(), faces.end(), face_of_triangle[static_cast<size_t>(t)]) != faces.end();
+    };
+    std::optional<Box> whole;
+    for (Eigen::Index t = 0; t < before.n_triangles(); ++t) {
+      if (!is_in(t)) continue;
+      if (whole)
+        whole->include(box_of(t));
+      else
+        whole = box_of(t);
+    }
+    std::vector<Eigen::Index> some;
+    for (Eigen::Index t = 0; whole && t < before.n_triangles(); ++t)
+      if (box_of(t).meets(*whole)) some.push_back(t);
+    return some;
+  }
+};
+
 /// Checks the mesh of `result`. Faces that are broken are filled one by one, as thin plates or else as
 /// membranes, where that leaves fewer flaws: the others may only be crossed by one that bulges. What is left
-/// is filled together.
+/// is filled together. The whole is checked twice, each attempt only around its faces.
 void refill_folded(const std::vector<int>& face_of_triangle, const std::vector<char>& on_crease,
                    ModelSurface& result, const Progress& progress) {
   constexpr size_t kMostFaces = 12;  // beyond that it is not single faces that are amiss
-  const auto soundness_of = [&](const TriangleMesh& mesh) {
-    return surface_soundness(mesh, turned_triangles(mesh, on_crease), face_of_triangle);
-  };
-  const auto flaws_of = [](const SurfaceSoundness& s) { return s.crossing_pairs + s.turned_triangles; };
-  result.soundness = soundness_of(result.mesh);
-  if (result.soundness->broken_faces.size() > kMostFaces) return;
   constexpr std::array<detail::Refill, 2> kWays{detail::Refill::Plate, detail::Refill::Membrane};
-  const double n_attempts = static_cast<double>(kWays.size() * (result.soundness->broken_faces.size() + 1));
+  const CheckedMesh checked{face_of_triangle, on_crease};
+  const auto flaws_of = [](const SurfaceSoundness& s) { return s.crossing_pairs + s.turned_triangles; };
+  result.soundness = checked.soundness(result.mesh);
+  const std::vector<int> broken = result.soundness->broken_faces;
+  if (broken.empty() || broken.size() > kMostFaces) return;
+  const double n_attempts = static_cast<double>(kWays.size() * (broken.size() + 1));
   double n_done = 0;
   std::map<int, detail::Refill> refilled;
   const auto attempt = [&](const std::vector<int>& faces, detail::Refill how) {
     progress.report("fill folded faces", std::min(n_done++ / n_attempts, 1.0));
     TriangleMesh filled = result.mesh;
     detail::refill_faces(filled, face_of_triangle, faces, on_crease, how);
-    SurfaceSoundness soundness = soundness_of(filled);
-    if (flaws_of(soundness) >= flaws_of(*result.soundness)) return;
+    const std::vector<Eigen::Index> some = checked.around(result.mesh, filled, faces);
+    const SurfaceSoundness before = checked.soundness(result.mesh, some);
+    // One that others had crossed may be whole by now.
+    if (std::none_of(faces.begin(), faces.end(), [&](int face) {
+          return std::binary_search(before.broken_faces.begin(), before.broken_faces.end(), face);
+        }))
+      return;
+    if (flaws_of(checked.soundness(filled, some)) >= flaws_of(before)) return;
     result.mesh = std::move(filled);
-    result.soundness = std::move(soundness);
     for (const int face : faces) refilled[face] = how;
   };
-  for (const int face : std::vector<int>(result.soundness->broken_faces))
-    for (const detail::Refill how : kWays) {
-      const std::vector<int>& broken = result.soundness->broken_faces;
-      if (std::binary_search(broken.begin(), broken.end(), face)) attempt({face}, how);
-    }
+  for (const int face : broken)
+    for (const detail::Refill how : kWays) attempt({face}, how);
+  result.soundness = checked.soundness(result.mesh);
   // Those that are left may hold each other in a fold.
   for (const detail::Refill how : kWays)
-    if (!result.soundness->is_sound()) attempt(std::vector<int>(result.soundness->broken_faces), how);
+    if (!result.soundness->is_sound()) {
+      attempt(result.soundness->broken_faces, how);
+      result.soundness = checked.soundness(result.mesh);
+    }
   for (const auto& [face, how] : refilled)
     (how == detail::Refill::Plate ? result.filled_as_plates : result.filled_as_membranes).push_back(face);
 }

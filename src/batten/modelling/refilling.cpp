@@ -103,6 +103,7 @@ Region region_of(const TriangleMesh& mesh, const std::vector<int>& face_of_trian
 void make_membrane(Region& region, const HeldUnknowns& unknowns) {
   const Index n = region.positions.rows();
   const Triangles filled = region.triangles.topRows(region.n_filled);
+  SparseCholesky solver("membrane over a face");  // every step has the same pattern
   for (int step = 0; step <= kStepsOfMembrane; ++step) {
     std::vector<Eigen::Triplet<double>> entries;
     const auto add = [&](int v, int w, double weight) {
@@ -126,7 +127,6 @@ void make_membrane(Region& region, const HeldUnknowns& unknowns) {
     }
     SparseMatrix K(n, n);
     K.setFromTriplets(entries.begin(), entries.end());
-    SparseCholesky solver("membrane over a face");
     solver.factorize(unknowns.free_block(K, true));
     const Points right = -(K * region.positions);
     unknowns.add_to_free_rows(solver.solve(unknowns.free_rows(right)), region.positions);
