@@ -145,6 +145,9 @@ class GltfParser {
 
   size_t index(const Json& json, std::string_view what) const {
     if (!json.is_number_unsigned()) fail(concat(what, " must be a whole number from 0"));
+    // No file is longer than 4 GB; sums of such numbers do not wrap in 64 bits.
+    if (json.get<std::uint64_t>() > std::numeric_limits<std::uint32_t>::max())
+      fail(concat(what, " is too large: ", json.get<std::uint64_t>()));
     return json.get<size_t>();
   }
   /// A member that is a whole number from 0, or `standard`.
@@ -192,12 +195,12 @@ class GltfParser {
     const Json& view = entry("bufferViews", member(accessor, "bufferView"));
     const size_t buffer = member(view, "buffer");
     if (buffer >= buffers_.size()) fail(concat("names buffer ", buffer, ", of ", buffers_.size()));
-    const size_t begin = member(view, "byteOffset", 0) + member(accessor, "byteOffset", 0);
+    const std::uint64_t offset = member(view, "byteOffset", 0),
+                        begin = offset + member(accessor, "byteOffset", 0);
     const size_t stride = member(view, "byteStride", given * size);
     const std::string& bytes = buffers_[buffer];
-    constexpr size_t kLimit = size_t{1} << 40;  // beyond it sums could wrap
-    if (begin > kLimit || stride > 65536 || count > kLimit || count > std::numeric_limits<int>::max() ||
-        (count > 0 && begin + (count - 1) * stride + given * size > bytes.size()))
+    if (stride > 65536 ||
+        (count > 0 && begin + std::uint64_t{count - 1} * stride + given * size > bytes.size()))
       fail(concat(what, " reach beyond the end of their buffer; the file is cut off"));
     const bool normalised = accessor.value("normalized", false);
     std::vector<double> values;
