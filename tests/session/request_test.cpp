@@ -72,6 +72,13 @@ TEST(Request, EqualListsAreShared) {
   Request request = b;
   share_lists(request, a);
   EXPECT_EQ(std::get<DeformRequest>(request).fixed, a.fixed);
+  a.moved.resize(1);
+  b.moved.resize(1);
+  a.moved[0].targets = std::make_shared<const Points>(Points::Zero(2, 3));
+  b.moved[0].targets = std::make_shared<const Points>(Points::Zero(3, 3));
+  request = b;
+  share_lists(request, a);
+  EXPECT_EQ(std::get<DeformRequest>(request).moved[0].targets, b.moved[0].targets);
   b.fixed = std::make_shared<const std::vector<int>>(std::vector<int>{4, 3});
   request = b;
   share_lists(request, a);

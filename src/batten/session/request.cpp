@@ -62,7 +62,12 @@ void add_differences(const detail::Json& before, const detail::Json& after, cons
 
 template <typename T>
 void share(std::shared_ptr<const T>& list, const std::shared_ptr<const T>& with) {
-  if (list && with && list != with && *list == *with) list = with;
+  const auto equal = [](const T& a, const T& b) {
+    if constexpr (requires { a.rows(); })
+      if (a.rows() != b.rows()) return false;  // matrices of different sizes cannot be compared
+    return a == b;
+  };
+  if (list && with && list != with && equal(*list, *with)) list = with;
 }
 
 }  // namespace
