@@ -10,6 +10,7 @@
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
 #include "batten/io/file.hpp"
+#include "batten/io/little_endian_detail.hpp"
 #include "batten/io/mesh_formats_detail.hpp"
 #include "batten/io/mesh_io.hpp"
 
@@ -206,13 +207,6 @@ void append_row(std::string& text, const Points& rows, Eigen::Index row) {
   }
 }
 
-template <typename Value>
-void append_bytes(std::string& bytes, Value value) {
-  std::uint64_t bits = 0;
-  std::memcpy(&bits, &value, sizeof value);
-  for (size_t k = 0; k < sizeof value; ++k) bytes += static_cast<char>(bits >> (8 * k) & 255);
-}
-
 /// Infinity has no place in a tag: OpenSubdiv takes 10 and more as infinitely sharp.
 std::string sharpness_text(double sharpness) {
   return exact_decimal(std::min(sharpness, 10.0));
@@ -283,18 +277,18 @@ std::string ply_text(const PolygonMesh& mesh, const Points& normals) {
   text += concat("element face ", mesh.n_faces(), "\nproperty list ", small ? "uchar" : "int",
                  " int vertex_indices\nend_header\n");
   for (Eigen::Index v = 0; v < mesh.positions.rows(); ++v) {
-    for (int k = 0; k < 3; ++k) append_bytes(text, mesh.positions(v, k));
+    for (int k = 0; k < 3; ++k) detail::append_little_endian(text, mesh.positions(v, k));
     if (normals.rows() > 0)
-      for (int k = 0; k < 3; ++k) append_bytes(text, normals(v, k));
+      for (int k = 0; k < 3; ++k) detail::append_little_endian(text, normals(v, k));
   }
   for (size_t f = 0; f + 1 < mesh.offsets.size(); ++f) {
     const int n = mesh.offsets[f + 1] - mesh.offsets[f];
     if (small)
-      append_bytes(text, static_cast<std::uint8_t>(n));
+      detail::append_little_endian(text, static_cast<std::uint8_t>(n));
     else
-      append_bytes(text, static_cast<std::int32_t>(n));
+      detail::append_little_endian(text, static_cast<std::int32_t>(n));
     for (int c = mesh.offsets[f]; c < mesh.offsets[f + 1]; ++c)
-      append_bytes(text, static_cast<std::int32_t>(mesh.corners[static_cast<size_t>(c)]));
+      detail::append_little_endian(text, static_cast<std::int32_t>(mesh.corners[static_cast<size_t>(c)]));
   }
   return text;
 }

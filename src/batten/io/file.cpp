@@ -289,7 +289,8 @@ struct OutputFile::Implementation {
   std::string place;      // what is replaced
   std::string temporary;  // what is written; equal to `place` when written directly
   std::FILE* file = nullptr;
-  std::string held;  // for a standard stream, until it is whole
+  bool is_stream = false;  // standard output
+  std::string held;        // for it, until it is whole
 
   void discard() {
     if (file != nullptr) std::fclose(file);
@@ -307,7 +308,8 @@ OutputFile::OutputFile(const std::string& path) : implementation_(std::make_uniq
   Implementation& out = *implementation_;
   bool direct = false;
   out.path = path;
-  if (is_standard_stream(path)) return;
+  out.is_stream = is_standard_stream(path);
+  if (out.is_stream) return;
   out.place = place_of(path, direct);
   out.temporary = direct ? out.place : temporary_name(out.place);
   errno = 0;
@@ -327,7 +329,7 @@ OutputFile::~OutputFile() {
 }
 
 void OutputFile::write(std::string_view bytes) {
-  if (is_standard_stream(implementation_->path)) {
+  if (implementation_->is_stream) {
     implementation_->held += bytes;
     return;
   }
@@ -338,7 +340,7 @@ void OutputFile::write(std::string_view bytes) {
 
 void OutputFile::commit() {
   Implementation& out = *implementation_;
-  if (is_standard_stream(out.path)) {
+  if (out.is_stream) {
     write_standard_output(out.held);
     return;
   }

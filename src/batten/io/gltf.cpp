@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <limits>
 #include <optional>
 #include <vector>
@@ -12,6 +11,7 @@
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
 #include "batten/io/exact_merger_detail.hpp"
+#include "batten/io/little_endian_detail.hpp"
 #include "batten/io/mesh_formats_detail.hpp"
 
 // glTF 2.0, the specification of the Khronos Group: metres, +Y up. Here +Z is up, so that (x, y, z) of a file
@@ -28,23 +28,6 @@ constexpr int kFloat = 5126, kByte = 5120, kUnsignedByte = 5121, kShort = 5122, 
 constexpr int kTriangles = 4, kStrip = 5, kFan = 6;
 /// Nodes deeper than this are a loop or no scene that anybody made.
 constexpr int kDeepest = 200;
-
-std::uint32_t little_uint32(std::string_view bytes, size_t at) {
-  std::uint32_t value = 0;
-  for (size_t k = 4; k-- > 0;) value = value << 8 | static_cast<unsigned char>(bytes[at + k]);
-  return value;
-}
-
-void append_uint32(std::string& bytes, std::uint32_t value) {
-  for (int k = 0; k < 4; ++k) bytes += static_cast<char>(value >> (8 * k) & 255);
-}
-
-void append_float(std::string& bytes, double value) {
-  const auto single = static_cast<float>(value);
-  std::uint32_t bits = 0;
-  std::memcpy(&bits, &single, sizeof bits);
-  append_uint32(bytes, bits);
-}
 
 std::string from_base64(std::string_view text) {
   std::string bytes;
@@ -70,7 +53,7 @@ std::string from_base64(std::string_view text) {
 class GltfParser {
  public:
   GltfParser(std::string_view content, const std::string& path) : path_(path), merger_(mesh_) {
-    if (content.size() >= 4 && little_uint32(content, 0) == kMagic)
+    if (content.size() >= 4 && little_endian<std::uint32_t>(content.data()) == kMagic)
       unpack(content);
     else
       json_ = Json::parse(content, nullptr, false);
@@ -108,11 +91,12 @@ class GltfParser {
 
   void unpack(std::string_view content) {
     if (content.size() < 20) fail("is cut off");
-    if (little_uint32(content, 4) != 2)
-      fail(concat("is glTF of version ", little_uint32(content, 4), ", expected 2; export it anew"));
+    if (little_endian<std::uint32_t>(content.data() + 4) != 2)
+      fail(concat("is glTF of version ", little_endian<std::uint32_t>(content.data() + 4),
+                  ", expected 2; export it anew"));
     for (size_t at = 12; at + 8 <= content.size();) {
-      const size_t length = little_uint32(content, at);
-      const std::uint32_t kind = little_uint32(content, at + 4);
+      const size_t length = little_endian<std::uint32_t>(content.data() + at);
+      const std::uint32_t kind = little_endian<std::uint32_t>(content.data() + at + 4);
       if (length > content.size() - at - 8) fail("is cut off; copy it again");
       const std::string_view chunk = content.substr(at + 8, length);
       if (kind == kJsonChunk && json_.is_null()) json_ = Json::parse(chunk, nullptr, false);
@@ -213,26 +197,22 @@ class GltfParser {
   }
 
   static double component(const char* bytes, int type, bool normalised) {
-    const auto as = [bytes](auto value) {
-      std::memcpy(&value, bytes, sizeof value);
-      return value;
-    };
     const auto scaled = [normalised](double value, double largest) {
       return normalised ? std::max(-1.0, value / largest) : value;
     };
     switch (type) {
       case kFloat:
-        return as(float{});
+        return little_endian<float>(bytes);
       case kByte:
-        return scaled(as(std::int8_t{}), 127);
+        return scaled(little_endian<std::int8_t>(bytes), 127);
       case kUnsignedByte:
-        return scaled(as(std::uint8_t{}), 255);
+        return scaled(little_endian<std::uint8_t>(bytes), 255);
       case kShort:
-        return scaled(as(std::int16_t{}), 32767);
+        return scaled(little_endian<std::int16_t>(bytes), 32767);
       case kUnsignedShort:
-        return scaled(as(std::uint16_t{}), 65535);
+        return scaled(little_endian<std::uint16_t>(bytes), 65535);
       default:
-        return as(std::uint32_t{});
+        return little_endian<std::uint32_t>(bytes);
     }
   }
 
@@ -392,7 +372,7 @@ class GlbWriter {
   /// @param values of `width` each, row by row.
   int add_floats(const std::vector<double>& values, int width, bool with_range) {
     begin_view(34962);  // ARRAY_BUFFER
-    for (const double value : values) append_float(binary_, value);
+    for (const double value : values) append_little_endian(binary_, static_cast<float>(value));
     Json accessor =
         add_accessor(kFloat, values.size() / static_cast<size_t>(width), width == 1 ? "SCALAR" : "VEC3");
     if (with_range) {
@@ -417,7 +397,7 @@ class GlbWriter {
   int add_indices(const Triangles& triangles) {
     begin_view(34963);  // ELEMENT_ARRAY_BUFFER
     for (Eigen::Index f = 0; f < triangles.rows(); ++f)
-      for (int k = 0; k < 3; ++k) append_uint32(binary_, static_cast<std::uint32_t>(triangles(f, k)));
+      for (int k = 0; k < 3; ++k) append_little_endian(binary_, static_cast<std::uint32_t>(triangles(f, k)));
     return put(add_accessor(kUnsignedInt, static_cast<size_t>(triangles.size()), "SCALAR"));
   }
 
@@ -434,14 +414,14 @@ class GlbWriter {
     std::string text = json.dump();
     while (text.size() % 4 != 0) text += ' ';
     std::string out;
-    append_uint32(out, kMagic);
-    append_uint32(out, 2);
-    append_uint32(out, static_cast<std::uint32_t>(28 + text.size() + binary_.size()));
-    append_uint32(out, static_cast<std::uint32_t>(text.size()));
-    append_uint32(out, kJsonChunk);
+    append_little_endian(out, kMagic);
+    append_little_endian(out, 2);
+    append_little_endian(out, static_cast<std::uint32_t>(28 + text.size() + binary_.size()));
+    append_little_endian(out, static_cast<std::uint32_t>(text.size()));
+    append_little_endian(out, kJsonChunk);
     out += text;
-    append_uint32(out, static_cast<std::uint32_t>(binary_.size()));
-    append_uint32(out, kBinaryChunk);
+    append_little_endian(out, static_cast<std::uint32_t>(binary_.size()));
+    append_little_endian(out, kBinaryChunk);
     return out + binary_;
   }
 
@@ -480,7 +460,7 @@ std::vector<double> y_up(const Points& rows, double scale) {
 }  // namespace
 
 bool begins_as_gltf(std::string_view content) {
-  if (content.size() >= 4 && little_uint32(content, 0) == kMagic) return true;
+  if (content.size() >= 4 && little_endian<std::uint32_t>(content.data()) == kMagic) return true;
   const std::string_view begin = trim(content.substr(0, 20000));
   return !begin.empty() && begin[0] == '{' && begin.find("\"asset\"") != std::string_view::npos &&
          (content.find("\"meshes\"") != std::string_view::npos);

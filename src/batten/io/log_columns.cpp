@@ -178,8 +178,7 @@ std::pair<LogQuantity, int> component_of(std::string letters) {
 }
 
 std::optional<LogQuantity> scalar_of(const std::string& letters) {
-  if (begins_with_one_of(letters, {"time", "seconds", "secondselapsed", "sec", "millis"}) || letters == "t")
-    return LogQuantity::Time;
+  if (begins_with_one_of(letters, {"time", "sec", "millis"}) || letters == "t") return LogQuantity::Time;
   if (begins_with_one_of(letters, {"dist", "odo", "ticks", "encoder"})) return LogQuantity::Distance;
   if (letters == "curve" || letters == "curveid" || letters == "line" || letters == "stroke")
     return LogQuantity::Curve;

@@ -1,10 +1,12 @@
 #pragma once
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "batten/io/file.hpp"
+#include "batten/io/mesh_io.hpp"
 #include "batten/mesh/triangle_mesh.hpp"
 
 // What the readers of the mesh formats share. Private to the room.
@@ -44,6 +46,9 @@ RawMesh parse_gltf(std::string_view content, const std::string& path);
 std::string glb_bytes(const TriangleMesh& mesh, double metres_per_unit);
 std::string threemf_bytes(const TriangleMesh& mesh, double metres_per_unit);
 
+/// The format that a content shows beyond doubt; nothing when it could be several.
+std::optional<MeshFormat> shown_mesh_format(std::string_view content);
+
 /// The mesh of a file of any format, found by content and extension; `notes` gets what differs between both.
 RawMesh parse_raw_mesh(std::string content, const std::string& path, std::vector<std::string>& notes);
 
@@ -52,6 +57,9 @@ TriangleMesh finished_mesh(RawMesh&& raw, const std::string& path, std::vector<s
 
 /// True when the bytes can only be a binary STL: 80 bytes, a count, and exactly 50 bytes for each.
 bool is_binary_stl(std::string_view content);
+/// Some programs write something of their own behind the last facet of a binary STL. Whole facets there mean
+/// that the number announced is wrong.
+bool has_bytes_behind_facets(std::string_view content);
 /// Whether the bytes are a GLB, or JSON that looks like glTF.
 bool begins_as_gltf(std::string_view content);
 /// Whether a text begins as STL does: `solid`, in any letters.

@@ -11,6 +11,7 @@
 
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
+#include "batten/io/little_endian_detail.hpp"
 #include "batten/io/mesh_formats_detail.hpp"
 #include "batten/io/standard_streams.hpp"
 
@@ -159,37 +160,6 @@ TriangleMesh finished_mesh(RawMesh&& raw, const std::string& path, std::vector<s
 
 namespace {
 
-/// The format that the content shows beyond doubt; false when it could be several.
-bool sniffed_format(std::string_view content, MeshFormat& format) {
-  if (content.substr(0, 3) == "\xEF\xBB\xBF") content.remove_prefix(3);
-  const std::string_view head = content.substr(0, 4);
-  if (head == "ply\n" || head == "ply\r") {
-    format = MeshFormat::Ply;
-    return true;
-  }
-  if (detail::is_binary_stl(content)) {
-    format = MeshFormat::Stl;
-    return true;
-  }
-  if (detail::begins_as_gltf(content)) {
-    format = MeshFormat::Gltf;
-    return true;
-  }
-  if (detail::begins_as_text_stl(content)) {
-    format = MeshFormat::Stl;
-    return true;
-  }
-  detail::Tokens tokens(content.substr(0, 200));
-  std::string_view first;
-  tokens.next(first);
-  for (const std::string_view name : {"OFF", "COFF", "NOFF", "CNOFF", "NCOFF", "STOFF"})
-    if (first == name) {
-      format = MeshFormat::Off;
-      return true;
-    }
-  return false;
-}
-
 bool format_of_extension(const std::string& extension, MeshFormat& format) {
   if (extension == "ply")
     format = MeshFormat::Ply;
@@ -233,22 +203,6 @@ void append_row(std::string& text, const Points& rows, Eigen::Index row) {
   }
 }
 
-void append_double(std::string& bytes, double value) {
-  std::uint64_t bits = 0;
-  std::memcpy(&bits, &value, sizeof bits);
-  for (int k = 0; k < 8; ++k) bytes += static_cast<char>(bits >> (8 * k) & 255);
-}
-
-void append_uint32(std::string& bytes, std::uint32_t bits) {
-  for (int k = 0; k < 4; ++k) bytes += static_cast<char>(bits >> (8 * k) & 255);
-}
-
-void append_float(std::string& bytes, float value) {
-  std::uint32_t bits = 0;
-  std::memcpy(&bits, &value, sizeof bits);
-  append_uint32(bytes, bits);
-}
-
 bool has_normals(const TriangleMesh& mesh) {
   return mesh.normals.rows() > 0;
 }
@@ -276,10 +230,10 @@ std::string ply_text(const TriangleMesh& mesh, bool ascii) {
       for (const auto& [name, values] : mesh.vertex_values) (text += ' ') += exact_decimal(values(v));
       text += '\n';
     } else {
-      for (int k = 0; k < 3; ++k) append_double(text, mesh.positions(v, k));
+      for (int k = 0; k < 3; ++k) detail::append_little_endian(text, mesh.positions(v, k));
       if (has_normals(mesh))
-        for (int k = 0; k < 3; ++k) append_double(text, mesh.normals(v, k));
-      for (const auto& [name, values] : mesh.vertex_values) append_double(text, values(v));
+        for (int k = 0; k < 3; ++k) detail::append_little_endian(text, mesh.normals(v, k));
+      for (const auto& [name, values] : mesh.vertex_values) detail::append_little_endian(text, values(v));
     }
   }
   for (Eigen::Index f = 0; f < mesh.n_triangles(); ++f) {
@@ -287,7 +241,8 @@ std::string ply_text(const TriangleMesh& mesh, bool ascii) {
       text += concat("3 ", mesh.triangles(f, 0), ' ', mesh.triangles(f, 1), ' ', mesh.triangles(f, 2), '\n');
     } else {
       text += '\3';
-      for (int k = 0; k < 3; ++k) append_uint32(text, static_cast<std::uint32_t>(mesh.triangles(f, k)));
+      for (int k = 0; k < 3; ++k)
+        detail::append_little_endian(text, static_cast<std::uint32_t>(mesh.triangles(f, k)));
     }
   }
   return text;
@@ -359,13 +314,13 @@ std::string stl_text(const TriangleMesh& mesh, bool ascii) {
                               "; write .ply, .obj or .off, or scale it"));
   text.assign(80, ' ');
   text.replace(0, 6, "Batten");
-  append_uint32(text, static_cast<std::uint32_t>(mesh.n_triangles()));
+  detail::append_little_endian(text, static_cast<std::uint32_t>(mesh.n_triangles()));
   for (Eigen::Index f = 0; f < mesh.n_triangles(); ++f) {
     const Eigen::RowVector3d n = unit_normal(mesh, f);
-    for (int k = 0; k < 3; ++k) append_float(text, static_cast<float>(n(k)));
+    for (int k = 0; k < 3; ++k) detail::append_little_endian(text, static_cast<float>(n(k)));
     for (int k = 0; k < 3; ++k)
       for (int axis = 0; axis < 3; ++axis)
-        append_float(text, static_cast<float>(mesh.positions(mesh.triangles(f, k), axis)));
+        detail::append_little_endian(text, static_cast<float>(mesh.positions(mesh.triangles(f, k), axis)));
     text += std::string(2, '\0');
   }
   return text;
@@ -405,19 +360,33 @@ MeshFormat mesh_format(std::string_view path) {
 
 namespace detail {
 
+std::optional<MeshFormat> shown_mesh_format(std::string_view content) {
+  if (content.substr(0, 3) == "\xEF\xBB\xBF") content.remove_prefix(3);
+  const std::string_view head = content.substr(0, 4);
+  if (head == "ply\n" || head == "ply\r") return MeshFormat::Ply;
+  if (is_binary_stl(content)) return MeshFormat::Stl;
+  if (begins_as_gltf(content)) return MeshFormat::Gltf;
+  if (begins_as_text_stl(content)) return MeshFormat::Stl;
+  Tokens tokens(content.substr(0, 200));
+  std::string_view first;
+  tokens.next(first);
+  for (const std::string_view name : {"OFF", "COFF", "NOFF", "CNOFF", "NCOFF", "STOFF"})
+    if (first == name) return MeshFormat::Off;
+  return std::nullopt;
+}
+
 RawMesh parse_raw_mesh(std::string content, const std::string& path, std::vector<std::string>& notes) {
   if (content.empty()) throw FileError(path, 0, "is empty, expected a mesh");
-  MeshFormat by_content = MeshFormat::Ply, format = MeshFormat::Ply;
-  const bool shown = sniffed_format(content, by_content);
+  MeshFormat format = MeshFormat::Ply;
+  const std::optional<MeshFormat> shown = shown_mesh_format(content);
   const bool named =
       format_of_extension(path == "-" ? extension_of_content(content) : file_extension(path), format);
   if (!shown && !named)
     throw FileError(path, 0, "is not recognised as a mesh; use a .ply, .obj, .off, .stl or .glb file");
-  if (shown && (!named || by_content != format)) {
+  if (shown && (!named || *shown != format)) {
     if (named)
-      notes.push_back(
-          concat(path, " is a ", name_of(by_content), " file by its content and was read as such"));
-    format = by_content;
+      notes.push_back(concat(path, " is a ", name_of(*shown), " file by its content and was read as such"));
+    format = *shown;
   }
   switch (format) {
     case MeshFormat::Ply:

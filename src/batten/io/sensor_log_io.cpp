@@ -45,6 +45,14 @@ std::string_view without_quotes(std::string_view cell) {
   return cell;
 }
 
+/// The names with commas between.
+template <typename Names>
+std::string in_a_row(const Names& names) {
+  std::string row;
+  for (const auto& name : names) row += concat(row.empty() ? "" : ", ", name);
+  return row;
+}
+
 /// "+x", "-z", "y": an axis of the device.
 bool parse_axis(std::string_view text, Eigen::Vector3d& axis) {
   double sign = 1;
@@ -185,24 +193,20 @@ class LogParser {
       columns_[k] = column;
     }
     if (std::count(columns_.begin(), columns_.end(), static_cast<int>(kTime)) > 0) return;
-    std::string list, expected;
-    for (const std::string& name : names) list += concat(list.empty() ? "" : ", ", name);
-    for (const char* name : kColumnNames) expected += concat(expected.empty() ? "" : ", ", name);
     const LogColumns guess = guess_log_columns(names);
     const bool guessed = guess[LogQuantity::Time] && guess[LogQuantity::Accelerometer];
-    in_.fail(
-        concat("expected the names of the columns, time_s among them (of ", expected, "), found ", list, "; ",
-               guessed ? concat("try --columns auto, which reads ", format_log_columns(guess))
-                       : std::string("say what they hold with --columns time=NAME:UNIT,acc=X:Y:Z:UNIT,…")));
+    in_.fail(concat("expected the names of the columns, time_s among them (of ", in_a_row(kColumnNames),
+                    "), found ", in_a_row(names), "; ",
+                    guessed
+                        ? concat("try --columns auto, which reads ", format_log_columns(guess))
+                        : std::string("say what they hold with --columns time=NAME:UNIT,acc=X:Y:Z:UNIT,…")));
   }
 
   void take_described_columns(const std::vector<std::string>& names) {
     chosen_ = description_ == "auto" ? guess_log_columns(names) : parse_log_columns(description_);
     if (description_ == "auto" &&
         (!(*chosen_)[LogQuantity::Time] || !(*chosen_)[LogQuantity::Accelerometer])) {
-      std::string list;
-      for (const std::string& name : names) list += concat(list.empty() ? "" : ", ", name);
-      in_.fail(concat("no time and acceleration were recognised among the columns ", list,
+      in_.fail(concat("no time and acceleration were recognised among the columns ", in_a_row(names),
                       "; name them with --columns time=NAME:UNIT,acc=X:Y:Z:UNIT,…"));
     }
     const auto take = [&](LogQuantity quantity, int first) {
@@ -211,9 +215,8 @@ class LogParser {
       for (std::size_t i = 0; i < fields->names.size(); ++i) {
         const auto place = std::find(names.begin(), names.end(), fields->names[i]);
         if (place == names.end()) {
-          std::string list;
-          for (const std::string& name : names) list += concat(list.empty() ? "" : ", ", name);
-          in_.fail(concat("there is no column ", quoted(fields->names[i]), "; the columns are ", list));
+          in_.fail(
+              concat("there is no column ", quoted(fields->names[i]), "; the columns are ", in_a_row(names)));
         }
         columns_[static_cast<std::size_t>(place - names.begin())] = first + static_cast<int>(i);
         factors_[static_cast<std::size_t>(first) + i] = fields->factor;

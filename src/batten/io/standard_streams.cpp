@@ -4,7 +4,6 @@
 #include <atomic>
 #include <cctype>
 #include <cerrno>
-#include <cstdint>
 #include <cstdio>
 #include <cstring>
 #include <optional>
@@ -12,6 +11,7 @@
 
 #include "batten/core/text.hpp"
 #include "batten/io/file.hpp"
+#include "batten/io/mesh_formats_detail.hpp"
 
 namespace batten {
 
@@ -31,39 +31,17 @@ std::vector<std::string_view> first_lines(std::string_view content, std::size_t 
   return lines;
 }
 
-std::vector<std::string_view> words_of(std::string_view line) {
-  std::vector<std::string_view> words;
-  while (true) {
-    const std::size_t begin = line.find_first_not_of(" \t");
-    if (begin == std::string_view::npos) return words;
-    line.remove_prefix(begin);
-    const std::size_t end = std::min(line.find_first_of(" \t"), line.size());
-    words.push_back(line.substr(0, end));
-    line.remove_prefix(end);
-  }
-}
-
-bool is_binary_stl(std::string_view content) {
-  if (content.size() < 84) return false;
-  std::uint32_t n = 0;
-  for (int k = 0; k < 4; ++k)
-    n |= static_cast<std::uint32_t>(static_cast<unsigned char>(content[80 + static_cast<std::size_t>(k)]))
-         << (8 * k);
-  return content.size() >= 84 + std::uint64_t{50} * n && n > 0 &&
-         content.size() < 84 + std::uint64_t{50} * n + 4096;
-}
-
 /// Of formats that begin with numbers or with words of their own.
 std::string extension_of_lines(const std::vector<std::string_view>& lines) {
   if (lines.empty()) return {};
-  const std::vector<std::string_view> words = words_of(lines[0]);
+  const std::vector<std::string_view> words = split_blanks(lines[0]);
   for (const std::string_view word : {"v", "vn", "vt", "f", "o", "g", "l", "s", "t", "mtllib", "usemtl"})
     if (words[0] == word) return "obj";
   if (words[0] == "CURVE") return "txt";
   long count = 0;
   if (words.size() == 1 && parse_integer(words[0], count) && lines.size() > 1)
     // The vertices of a network follow, or the flags of the first curve of a scan.
-    return words_of(lines[1]).size() >= 3 && words_of(lines[1])[1] != "#" ? "net" : "rawnet";
+    return split_blanks(lines[1]).size() >= 3 && split_blanks(lines[1])[1] != "#" ? "net" : "rawnet";
   if (lines[0].find(',') != std::string_view::npos || lines[0].find(';') != std::string_view::npos)
     return "csv";
   return {};
@@ -90,18 +68,20 @@ std::string output_extension(std::string_view path, std::string_view standard) {
 std::string extension_of_content(std::string_view content) {
   if (content.substr(0, 3) == "\xEF\xBB\xBF") content.remove_prefix(3);
   if (content.substr(0, 4) == "PK\x03\x04") return "batten";
-  if (content.substr(0, 4) == "glTF") return "glb";
-  if (content.substr(0, 4) == "ply\n" || content.substr(0, 4) == "ply\r") return "ply";
   const std::string_view begin = trim(content.substr(0, 2000));
-  if (lower_case(begin.substr(0, 5)) == "solid" &&
-      lower_case(content.substr(0, 4000)).find("facet") != std::string::npos)
-    return "stl";
-  if (is_binary_stl(content)) return "stl";
+  if (const auto mesh = detail::shown_mesh_format(content)) {
+    // A text may begin with "solid" and be none.
+    const bool is_stl = detail::is_binary_stl(content) ||
+                        lower_case(content.substr(0, 4000)).find("facet") != std::string::npos;
+    if (*mesh == MeshFormat::Ply) return "ply";
+    if (*mesh == MeshFormat::Off) return "off";
+    if (*mesh == MeshFormat::Gltf) return "glb";
+    if (is_stl) return "stl";
+  }
+  if (detail::has_bytes_behind_facets(content)) return "stl";
   if (begin.substr(0, 1) == "{")
     return begin.find("\"batten_session\"") != std::string_view::npos ? "jsonl" : "json";
   if (begin.substr(0, 22) == "# batten curve network") return "obj";
-  for (const std::string_view name : {"OFF", "COFF", "NOFF", "CNOFF", "NCOFF", "STOFF"})
-    if (begin.substr(0, name.size()) == name) return "off";
   return extension_of_lines(first_lines(content, 2));
 }
 

@@ -1,10 +1,10 @@
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
 #include "batten/io/exact_merger_detail.hpp"
+#include "batten/io/little_endian_detail.hpp"
 #include "batten/io/mesh_formats_detail.hpp"
 
 namespace batten::detail {
@@ -13,25 +13,17 @@ namespace {
 
 constexpr size_t kHeader = 84, kFacet = 50;
 
-std::uint32_t little_uint32(const char* bytes) {
-  std::uint32_t value = 0;
-  for (int k = 4; k-- > 0;) value = value << 8 | static_cast<unsigned char>(bytes[k]);
-  return value;
-}
-
 RawMesh parse_binary(std::string_view content, const std::string& path) {
   RawMesh mesh;
   ExactMerger merger(mesh);
-  const size_t n = little_uint32(content.data() + 80);
+  const size_t n = little_endian<std::uint32_t>(content.data() + 80);
   for (size_t f = 0; f < n; ++f) {
     const char* facet = content.data() + kHeader + f * kFacet;
     std::vector<int> corners;
     for (size_t k = 0; k < 3; ++k) {
       double coordinates[3];
       for (size_t axis = 0; axis < 3; ++axis) {
-        const std::uint32_t bits = little_uint32(facet + 12 + 12 * k + 4 * axis);
-        float value = 0;
-        std::memcpy(&value, &bits, sizeof value);
+        const float value = little_endian<float>(facet + 12 + 12 * k + 4 * axis);
         if (!std::isfinite(value))
           throw FileError(
               path, 0,
@@ -84,19 +76,18 @@ RawMesh parse_text(std::string content, const std::string& path) {
   return mesh;
 }
 
-/// Some programs write something of their own behind the last facet. Whole facets there mean that the number
-/// announced is wrong.
-bool has_bytes_behind_facets(std::string_view content) {
-  if (content.size() < kHeader) return false;
-  const std::size_t announced = little_uint32(content.data() + 80), behind = content.size() - kHeader;
-  return announced > 0 && behind / kFacet >= announced && (behind - announced * kFacet) % kFacet != 0;
-}
-
 }  // namespace
 
 bool is_binary_stl(std::string_view content) {
   return content.size() >= kHeader && (content.size() - kHeader) % kFacet == 0 &&
-         (content.size() - kHeader) / kFacet == little_uint32(content.data() + 80);
+         (content.size() - kHeader) / kFacet == little_endian<std::uint32_t>(content.data() + 80);
+}
+
+bool has_bytes_behind_facets(std::string_view content) {
+  if (content.size() < kHeader) return false;
+  const std::size_t announced = little_endian<std::uint32_t>(content.data() + 80),
+                    behind = content.size() - kHeader;
+  return announced > 0 && behind / kFacet >= announced && (behind - announced * kFacet) % kFacet != 0;
 }
 
 bool begins_as_text_stl(std::string_view content) {
@@ -111,8 +102,8 @@ RawMesh parse_stl(std::string content, const std::string& path) {
   if (has_bytes_behind_facets(content)) return parse_binary(content, path);
   if (content.size() >= kHeader)
     throw FileError(path, 0,
-                    concat("announces ", little_uint32(content.data() + 80), " facets, but ", content.size(),
-                           " bytes hold ", (content.size() - kHeader) / kFacet,
+                    concat("announces ", little_endian<std::uint32_t>(content.data() + 80), " facets, but ",
+                           content.size(), " bytes hold ", (content.size() - kHeader) / kFacet,
                            "; the file is truncated or no STL file"));
   throw FileError(path, 0, "is too short for an STL file");
 }
