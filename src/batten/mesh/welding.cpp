@@ -256,4 +256,18 @@ Triangles welded_triangles(const Triangles& triangles, const VertexWelding& weld
   return welded;
 }
 
+TriangleMesh without_vertices(const TriangleMesh& mesh, const std::vector<char>& gone) {
+  std::vector<int> kept, number;
+  for (size_t v = 0; v < gone.size(); ++v) {
+    number.push_back(static_cast<int>(kept.size()));
+    if (gone[v] == 0) kept.push_back(static_cast<int>(v));
+  }
+  TriangleMesh result;
+  result.positions = mesh.positions(kept, Eigen::all);
+  if (mesh.normals.rows() > 0) result.normals = mesh.normals(kept, Eigen::all);
+  for (const auto& [name, values] : mesh.vertex_values) result.vertex_values[name] = values(kept);
+  result.triangles = mesh.triangles.unaryExpr([&](int v) { return number[at(v)]; });
+  return result;
+}
+
 }  // namespace batten

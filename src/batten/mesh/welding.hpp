@@ -2,6 +2,7 @@
 #include <vector>
 
 #include "batten/core/arrays.hpp"
+#include "batten/mesh/triangle_mesh.hpp"
 
 namespace batten {
 
@@ -32,6 +33,10 @@ bool is_triangle_soup(const Triangles& triangles, const VertexWelding& welding);
 
 /// The triangles with welded vertices; those that come to name a vertex twice are left out.
 Triangles welded_triangles(const Triangles& triangles, const VertexWelding& welding);
+
+/// The mesh without the vertices that are marked; the others keep their order, normals and values.
+/// @pre no triangle names one of them.
+TriangleMesh without_vertices(const TriangleMesh& mesh, const std::vector<char>& gone);
 
 /// One number for all vertices at exactly the same place: the lowest of them.
 std::vector<int> places_of_vertices(const Points& positions);

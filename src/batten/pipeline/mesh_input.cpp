@@ -28,6 +28,17 @@ std::optional<std::string> mesh_problem(const TriangleMesh& mesh) {
   return std::nullopt;
 }
 
+std::string place_in_words(const Eigen::RowVector3d& point) {
+  return concat('(', point.x(), ", ", point.y(), ", ", point.z(), ')');
+}
+
+std::string place_in_words(const TriangleMesh& mesh, int triangle) {
+  return place_in_words((mesh.positions.row(mesh.triangles(triangle, 0)) +
+                         mesh.positions.row(mesh.triangles(triangle, 1)) +
+                         mesh.positions.row(mesh.triangles(triangle, 2))) /
+                        3);
+}
+
 void require_processable(const TriangleMesh& mesh) {
   if (const auto problem = mesh_problem(mesh)) throw InvalidInput(*problem);
 }

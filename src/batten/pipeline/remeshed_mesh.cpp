@@ -5,9 +5,9 @@
 
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
+#include "batten/mesh/adjacency.hpp"
 #include "batten/mesh/areas.hpp"
 #include "batten/mesh/distance.hpp"
-#include "batten/mesh/halfedge_mesh.hpp"
 #include "batten/mesh/self_intersections.hpp"
 #include "batten/pipeline/mesh_input.hpp"
 #include "batten/remeshing/area_samples.hpp"
@@ -32,14 +32,10 @@ void add_warnings(const TriangleMesh& input, const RemeshOptions& options, Remes
     result.warnings.emplace_back("values per vertex of the input are not carried over to the new vertices");
 }
 
-std::string place(const Eigen::Vector3d& p) {
-  return concat("(", p.x(), ", ", p.y(), ", ", p.z(), ")");
-}
-
 /// The point of one mesh, of those spread over it, that is furthest from another mesh.
 struct Furthest {
   double distance = 0;
-  Eigen::Vector3d point = Eigen::Vector3d::Zero();
+  Eigen::RowVector3d point = Eigen::RowVector3d::Zero();
 };
 Furthest furthest(const TriangleMesh& from, const TriangleMesh& to, double spacing,
                   const Progress& progress) {
@@ -55,13 +51,6 @@ Furthest furthest(const TriangleMesh& from, const TriangleMesh& to, double spaci
   return {most, queries.row(at)};
 }
 
-bool is_closed(const TriangleMesh& mesh) {
-  const HalfedgeMesh edges(mesh.positions, mesh.triangles, NonManifoldVertices::Split);
-  for (int h = 0; h < edges.halfedge_capacity(); ++h)
-    if (edges.is_border_edge(h)) return false;
-  return true;
-}
-
 void add_flaws(const TriangleMesh& input, const RemeshOptions& options, RemeshedMesh& result,
                const Progress& progress) {
   const RemeshReport& report = result.report;
@@ -69,13 +58,9 @@ void add_flaws(const TriangleMesh& input, const RemeshOptions& options, Remeshed
   if (report.crossings > report.input_crossings) {
     const auto pairs = self_intersections(mesh.positions, mesh.triangles, report.crossings, progress);
     const auto [f, g] = pairs.front();
-    const Eigen::Vector3d middle =
-        (mesh.positions.row(mesh.triangles(f, 0)) + mesh.positions.row(mesh.triangles(f, 1)) +
-         mesh.positions.row(mesh.triangles(f, 2))) /
-        3;
     result.flaws.push_back(concat("pairs of triangles that cross: ", report.crossings, ", ",
                                   report.input_crossings, " in the input; the first are ", f, " and ", g,
-                                  " at ", place(middle)));
+                                  " at ", place_in_words(mesh, f)));
   }
   const double asked = options.edge_length > 0 ? options.edge_length
                                                : mesh_quality(input.positions, input.triangles).mean_edge;
@@ -92,7 +77,7 @@ void add_flaws(const TriangleMesh& input, const RemeshOptions& options, Remeshed
       result.flaws.push_back(
           concat("there are ", mesh.n_vertices(), " vertices where ", std::round(wanted), " were wanted"));
   }
-  if (is_closed(input)) {
+  if (mesh_topology(input.triangles, input.n_vertices()).n_boundary_edges == 0) {
     const double before = enclosed_volume(input.positions, input.triangles),
                  after = enclosed_volume(mesh.positions, mesh.triangles);
     if (!(std::abs(after - before) <= (report.is_faceted ? 0.005 : 0.05) * std::abs(before)))
@@ -105,7 +90,7 @@ void add_flaws(const TriangleMesh& input, const RemeshOptions& options, Remeshed
         back ? furthest(mesh, input, spacing, progress) : furthest(input, mesh, spacing, progress);
     if (!(at.distance <= most))
       result.flaws.push_back(concat(back ? "the result leaves the input by " : "the input is missed by ",
-                                    at.distance, " at ", place(at.point)));
+                                    at.distance, " at ", place_in_words(at.point)));
   }
 }
 

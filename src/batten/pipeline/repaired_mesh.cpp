@@ -10,6 +10,7 @@
 #include "batten/mesh/quality.hpp"
 #include "batten/mesh/self_intersections.hpp"
 #include "batten/mesh/welding.hpp"
+#include "batten/pipeline/mesh_input.hpp"
 #include "batten/surfacing/crossing_removal.hpp"
 
 namespace batten {
@@ -23,14 +24,6 @@ constexpr std::size_t kMostPlaces = 5;
 
 std::string counted(Index n, std::string_view one, std::string_view many) {
   return concat(n, ' ', n == 1 ? one : many);
-}
-
-std::string place_of(const TriangleMesh& mesh, int triangle) {
-  const Eigen::RowVector3d centre =
-      (mesh.positions.row(mesh.triangles(triangle, 0)) + mesh.positions.row(mesh.triangles(triangle, 1)) +
-       mesh.positions.row(mesh.triangles(triangle, 2))) /
-      3;
-  return concat('(', centre(0), ", ", centre(1), ", ", centre(2), ')');
 }
 
 void tell_what_was_done(RepairedMesh& result) {
@@ -61,12 +54,12 @@ void find_flaws(RepairedMesh& result) {
   const std::vector<int> flat = degenerate_triangles(mesh.positions, mesh.triangles);
   if (!flat.empty())
     result.flaws.push_back(concat(counted(static_cast<Index>(flat.size()), "triangle has", "triangles have"),
-                                  " no area, the first at ", place_of(mesh, flat[0])));
+                                  " no area, the first at ", place_in_words(mesh, flat[0])));
   if (result.crossings.empty()) return;
   std::string places;
   for (std::size_t k = 0; k < std::min(kMostPlaces, result.crossings.size()); ++k) {
     const auto [f, g] = result.crossings[k];
-    places += concat(k == 0 ? "" : ", ", f, " and ", g, " at ", place_of(mesh, f));
+    places += concat(k == 0 ? "" : ", ", f, " and ", g, " at ", place_in_words(mesh, f));
   }
   result.flaws.push_back(concat(result.crossings.size() >= kMostListedIntersections ? "at least " : "",
                                 counted(static_cast<Index>(result.crossings.size()),
@@ -167,29 +160,18 @@ std::optional<std::string> weld_soup(TriangleMesh& mesh) {
   if (mesh.n_vertices() < mesh.n_triangles()) return std::nullopt;
   const VertexWelding welding = weld_borders(mesh.positions, mesh.triangles);
   if (!is_triangle_soup(mesh.triangles, welding)) return std::nullopt;
-  TriangleMesh welded;
-  std::vector<int> number(static_cast<size_t>(mesh.n_vertices()), -1);
-  Index n = 0;
-  for (Index v = 0; v < mesh.n_vertices(); ++v)
-    if (welding.vertex_of[static_cast<size_t>(v)] == v)
-      number[static_cast<size_t>(v)] = static_cast<int>(n++);
-  welded.positions.resize(n, 3);
-  welded.normals.resize(mesh.normals.rows() > 0 ? n : 0, 3);
-  welded.normals.setZero();
-  for (const auto& [name, values] : mesh.vertex_values) welded.vertex_values[name].resize(n);
+  std::vector<char> gone(static_cast<size_t>(mesh.n_vertices()), 0);
   for (Index v = 0; v < mesh.n_vertices(); ++v) {
-    const Index to = number[at(welding.vertex_of[static_cast<size_t>(v)])];
-    if (mesh.normals.rows() > 0) welded.normals.row(to) += mesh.normals.row(v);
-    if (welding.vertex_of[static_cast<size_t>(v)] != v) continue;
-    welded.positions.row(to) = mesh.positions.row(v);
-    for (const auto& [name, values] : mesh.vertex_values) welded.vertex_values[name](to) = values(v);
+    const int to = welding.vertex_of[static_cast<size_t>(v)];
+    if (to == v) continue;
+    gone[static_cast<size_t>(v)] = 1;
+    if (mesh.normals.rows() > 0) mesh.normals.row(to) += mesh.normals.row(v);
   }
-  for (Index v = 0; v < welded.normals.rows(); ++v) welded.normals.row(v).stableNormalize();
-  welded.triangles =
-      welded_triangles(mesh.triangles, welding).unaryExpr([&](int v) { return number[at(v)]; });
+  for (Index v = 0; v < mesh.normals.rows(); ++v) mesh.normals.row(v).stableNormalize();
   const std::string note = concat("every triangle had vertices of its own: ", welding.n_welded, " of ",
                                   mesh.n_vertices(), " vertices were welded within ", welding.tolerance);
-  mesh = std::move(welded);
+  mesh.triangles = welded_triangles(mesh.triangles, welding);
+  mesh = without_vertices(mesh, gone);
   return note;
 }
 

@@ -29,10 +29,6 @@ double smallest_sine(const Vector3d& a, const Vector3d& b, const Vector3d& c) {
   return squared > 0 ? std::sqrt(squared / longest_two) : 0;
 }
 
-double angle_between(const Vector3d& a, const Vector3d& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b));
-}
-
 /// Edges changed between two reports: some 10 ms.
 constexpr std::size_t kEdgesPerReport = 8192;
 
@@ -47,6 +43,10 @@ struct Candidate {
 };
 
 }  // namespace
+
+double angle_between(const Vector3d& a, const Vector3d& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b));
+}
 
 RemeshState::RemeshState(HalfedgeMesh initial, const FeatureChains& features, const Eigen::VectorXd& sizes)
     : mesh(std::move(initial)),

@@ -11,6 +11,9 @@
 
 namespace batten {
 
+/// 0 to π.
+double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b);
+
 /// A surface under remeshing: the triangles, and for every vertex where on the features it lies and how long
 /// its edges should be. STEP 0 of H 2.2.2 works on it.
 class RemeshState {

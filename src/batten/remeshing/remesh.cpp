@@ -56,10 +56,6 @@ void check(const TriangleMesh& mesh, const RemeshOptions& options) {
                               mesh.n_vertices(), " vertices"));
 }
 
-double angle_between(const Vector3d& a, const Vector3d& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b));
-}
-
 double mean_edge_length(const HalfedgeMesh& mesh) {
   double sum = 0;
   int count = 0;

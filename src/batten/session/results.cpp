@@ -86,6 +86,35 @@ const TriangleMesh& held(const Result& result) {
   return result.mesh;
 }
 
+std::vector<std::string> warnings_in(const ScanNetwork& result) {
+  return result.report.warnings;
+}
+std::vector<std::string> warnings_in(const CurvesSurface& result) {
+  std::vector<std::string> warnings;
+  if (result.strokes) warnings = result.strokes->warnings;
+  const std::vector<std::string>& more = result.surface.warnings;
+  warnings.insert(warnings.end(), more.begin(), more.end());
+  return warnings;
+}
+template <typename Result>
+std::vector<std::string> warnings_in(const Result& result) {
+  return result.warnings;
+}
+
+StageTimes times_in(const ScanNetwork& result) {
+  return result.report.times;
+}
+StageTimes times_in(const CurvesSurface& result) {
+  StageTimes times;
+  if (result.strokes) times.add(result.strokes->times);
+  times.add(result.surface.times);
+  return times;
+}
+template <typename Result>
+StageTimes times_in(const Result& result) {
+  return result.times;
+}
+
 }  // namespace
 
 RequestResult run(const Request& request, const Content& source, const Progress& progress) {
@@ -107,36 +136,11 @@ Content content_of(const std::shared_ptr<const RequestResult>& result) {
 }
 
 std::vector<std::string> warnings_of(const RequestResult& result) {
-  if (const auto* network = std::get_if<ScanNetwork>(&result)) return network->report.warnings;
-  if (const auto* curves = std::get_if<CurvesSurface>(&result)) {
-    std::vector<std::string> warnings;
-    if (curves->strokes) warnings = curves->strokes->warnings;
-    const std::vector<std::string>& more = curves->surface.warnings;
-    warnings.insert(warnings.end(), more.begin(), more.end());
-    return warnings;
-  }
-  return std::visit(
-      [](const auto& one) -> std::vector<std::string> {
-        if constexpr (requires { one.warnings; }) return one.warnings;
-        return {};
-      },
-      result);
+  return std::visit([](const auto& one) { return warnings_in(one); }, result);
 }
 
 StageTimes times_of(const RequestResult& result) {
-  if (const auto* network = std::get_if<ScanNetwork>(&result)) return network->report.times;
-  if (const auto* curves = std::get_if<CurvesSurface>(&result)) {
-    StageTimes times;
-    if (curves->strokes) times.add(curves->strokes->times);
-    times.add(curves->surface.times);
-    return times;
-  }
-  return std::visit(
-      [](const auto& one) -> StageTimes {
-        if constexpr (requires { one.times; }) return one.times;
-        return {};
-      },
-      result);
+  return std::visit([](const auto& one) { return times_in(one); }, result);
 }
 
 std::shared_ptr<const RequestResult> Results::get(const Document& document, ObjectId id,

@@ -245,8 +245,6 @@ class HoleFiller {
   BoxTree tree_;
 };
 
-}  // namespace
-
 /// A rim that passes a place twice, by two vertices that were separated there, bounds several holes. One of
 /// the vertices stands for both.
 struct SimpleRims {
@@ -276,20 +274,7 @@ SimpleRims simple_rims(const std::vector<int>& rim, const std::vector<int>& plac
   return result;
 }
 
-/// The mesh without vertices that no triangle uses any more but did.
-TriangleMesh without_vertices(const TriangleMesh& mesh, const std::vector<char>& gone) {
-  std::vector<int> kept, number;
-  for (size_t v = 0; v < gone.size(); ++v) {
-    number.push_back(static_cast<int>(kept.size()));
-    if (gone[v] == 0) kept.push_back(static_cast<int>(v));
-  }
-  TriangleMesh result;
-  result.positions = mesh.positions(kept, Eigen::all);
-  if (mesh.normals.rows() > 0) result.normals = mesh.normals(kept, Eigen::all);
-  for (const auto& [name, values] : mesh.vertex_values) result.vertex_values[name] = values(kept);
-  result.triangles = mesh.triangles.unaryExpr([&](int v) { return number[at(v)]; });
-  return result;
-}
+}  // namespace
 
 int FilledMesh::n_filled() const {
   return static_cast<int>(
