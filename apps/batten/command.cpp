@@ -13,13 +13,13 @@
 #include <iostream>
 #include <memory>
 #include <new>
-#include <optional>
 
 #include <unistd.h>
 
 #include "batten/core/error.hpp"
 #include "batten/core/parallel.hpp"
 #include "batten/core/text.hpp"
+#include "batten/core/units.hpp"
 #include "batten/io/file.hpp"
 #include "batten/io/log_columns.hpp"
 #include "batten/io/standard_streams.hpp"
@@ -109,9 +109,13 @@ Json option_values(const CLI::App& command) {
   return values;
 }
 
+/// Where figures and sentences are printed: beside standard output where a result went there.
+std::ostream& printed() {
+  return standard_output_taken() ? std::cerr : std::cout;
+}
+
 void print(const Outcome& outcome) {
-  // Where a result went to standard output, what is said about it goes beside.
-  std::ostream& out = standard_output_taken() ? std::cerr : std::cout;
+  std::ostream& out = printed();
   if (!chosen.json) {
     if (chosen.quiet) return;
     for (const std::string& line : outcome.lines) out << line << '\n';
@@ -146,18 +150,18 @@ const char* word_of(ExitCode code) {
 /// Says on standard error what went wrong; with --json also as the one object on standard output, unless
 /// that already holds what was made.
 /// @param file what the sentence begins with, or empty.
-int fail(ExitCode code, std::string_view sentence, bool printed = false, const std::string& file = {},
+int fail(ExitCode code, std::string_view sentence, bool is_printed = false, const std::string& file = {},
          long line = 0) {
   clear_progress_line();
   std::cerr << "batten: " << sentence << '\n';
-  if (!chosen.json || printed) return code;
+  if (!chosen.json || is_printed) return code;
   // By convention a sentence says what is wrong, and behind the last semicolon what helps.
   const std::size_t remedy = sentence.rfind("; ");
   Json error = {{"code", word_of(code)}, {"message", sentence}};
   error["file"] = file.empty() ? Json(nullptr) : Json(file);
   error["line"] = line > 0 ? Json(line) : Json(nullptr);
   error["remedy"] = remedy == std::string_view::npos ? Json(nullptr) : Json(sentence.substr(remedy + 2));
-  std::ostream& out = standard_output_taken() ? std::cerr : std::cout;
+  std::ostream& out = printed();
   out << Json{{"error", error}}.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
   out.flush();
   return code;
@@ -261,6 +265,25 @@ void add_columns_option(CLI::App& command, std::string& columns) {
       }));
 }
 
+void report_flaws(const std::vector<std::string>& flaws, const std::string& what, const std::string& output,
+                  bool accepted, Outcome& outcome) {
+  if (flaws.empty()) return;
+  std::string all;
+  for (const std::string& flaw : flaws) all += (all.empty() ? "" : "; ") + flaw;
+  if (accepted)
+    outcome.warnings.push_back("accepted: " + all);
+  else
+    outcome.failure =
+        concat(what, ": ", all, "; ", output, " was not written, --accept-flaws writes it all the same");
+}
+
+double metres_per_unit(const std::string& unit) {
+  const Length one = parse_length("1" + unit);
+  if (one.kind != Length::Kind::Metres)
+    throw InvalidInput(concat("'", unit, "' is no unit of length; use m, cm, mm, um, km, in or ft"));
+  return one.value;
+}
+
 CLI::Validator parses(const std::string& form, std::function<void(const std::string&)> parse) {
   return {[parse = std::move(parse)](std::string& text) {
             try {
@@ -305,38 +328,6 @@ std::string suggestion(const CLI::App& app, const std::vector<std::string>& argu
   }
   return {};
 }
-
-}  // namespace
-
-namespace {
-
-/// The two commands that only print what shells and `man` want to know.
-struct ShellHelp {
-  std::string shell, page;
-  CLI::App *completion = nullptr, *manual = nullptr;
-
-  explicit ShellHelp(CLI::App& app) {
-    completion =
-        app.add_subcommand("completion", "Print the completion of commands and options for a shell.");
-    completion->footer("Example:\n  source <(batten completion bash)");
-    completion->add_option("SHELL", shell, "bash, zsh or fish")
-        ->required()
-        ->check(CLI::IsMember({"bash", "zsh", "fish"}));
-    manual = app.add_subcommand("manual", "Print a page of the manual, for man.");
-    manual->footer("Example:\n  batten manual surface | man -l -");
-    manual->add_option("COMMAND", page, "The command that it is about; the program when left out");
-  }
-
-  /// The text of the one that was asked for. @throws CLI::ValidationError where there is no such command.
-  std::optional<std::string> text(const CLI::App& app) const {
-    if (completion->parsed()) return cli::completion(app, shell);
-    if (!manual->parsed()) return std::nullopt;
-    if (page.empty()) return manual_page(app, nullptr);
-    for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
-      if (command->get_name() == page) return manual_page(app, command);
-    throw CLI::ValidationError(concat("there is no command '", page, "'"));
-  }
-};
 
 }  // namespace
 

@@ -47,6 +47,15 @@ CLI::App* add_command(CLI::App& app, const std::string& name, const std::string&
 /// Adds --columns, by which sensor logs of other programs are read.
 void add_columns_option(CLI::App& command, std::string& columns);
 
+/// What a result that is not sound means for a run: a failure that says that `output` was not written, or
+/// where flaws are accepted a warning. Nothing without flaws.
+/// @param what begins the sentence.
+void report_flaws(const std::vector<std::string>& flaws, const std::string& what, const std::string& output,
+                  bool accepted, Outcome& outcome);
+
+/// Metres in "mm", "in" and the like. @throws InvalidInput naming the units there are.
+double metres_per_unit(const std::string& unit);
+
 /// A check of an option that runs while the command line is parsed: where `parse` throws InvalidInput, the
 /// value is bad usage and its sentence the answer. `form` stands for the value in --help.
 CLI::Validator parses(const std::string& form, std::function<void(const std::string&)> parse);

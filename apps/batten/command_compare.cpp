@@ -96,7 +96,7 @@ Outcome run_compare(const CompareArguments& arguments, Context& context) {
     throw InvalidInput(concat("--distances needs a mesh to write to, but ", arguments.a, " is a network"));
   if (arguments.repair)
     for (Model* model : {&a, &b})
-      if (model->mesh) prepare_mesh(model->path, *model->mesh, outcome.warnings, true);
+      if (model->mesh) prepare_mesh(model->path, *model->mesh, outcome.warnings, true, context.progress);
   CompareOptions options;
   options.seed = arguments.seed;
   options.samples = arguments.samples;

@@ -98,7 +98,7 @@ void convert_mesh(const TriangleMesh& mesh, const ConvertArguments& arguments, O
   MeshWriteOptions options;
   options.ascii = arguments.ascii;
   if (!arguments.unit.empty()) {
-    options.metres_per_unit = parse_length("1" + arguments.unit).value;
+    options.metres_per_unit = metres_per_unit(arguments.unit);
     outcome.figures["unit"] = arguments.unit;
     if (!has_unit(format))
       outcome.warnings.push_back(concat(
@@ -201,13 +201,7 @@ void add_convert(CLI::App& app) {
           "--unit", arguments->unit,
           "Meshes: the unit of the numbers of IN (m, cm, mm, um, in, ft); .glb is written in metres, .3mf in "
           "millimetres; m where nothing is said")
-      ->check([](const std::string& text) {
-        try {
-          if (parse_length("1" + text).kind == Length::Kind::Metres) return std::string();
-        } catch (const InvalidInput&) {
-        }
-        return concat("'", text, "' is no unit of length; use m, cm, mm, um, km, in or ft");
-      });
+      ->check(parses("UNIT", [](const std::string& text) { metres_per_unit(text); }));
   command->add_flag("--ascii", arguments->ascii, "Meshes: write PLY and STL as text");
 }
 

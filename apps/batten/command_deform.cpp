@@ -38,7 +38,7 @@ Outcome run_deform(const DeformArguments& arguments, Context& context) {
   Handles handles;
   {
     const ScopedStage stage(outcome.times, "read");
-    mesh = read_mesh_to_process(arguments.in, outcome.warnings, arguments.repair);
+    mesh = read_mesh_to_process(arguments.in, outcome.warnings, arguments.repair, context.progress);
     handles = read_handles(arguments.handles, mesh.positions);
   }
   const DeformedMesh result = deformed_mesh(mesh, handles, options_of(arguments), context.progress);

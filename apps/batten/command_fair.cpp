@@ -35,7 +35,7 @@ Outcome run_fair(const FairArguments& arguments, Context& context) {
   {
     const ScopedStage stage(outcome.times, "read");
     mesh_format(arguments.output);  // an extension that cannot be written is refused before the work
-    mesh = read_mesh_to_process(arguments.input, outcome.warnings, arguments.repair);
+    mesh = read_mesh_to_process(arguments.input, outcome.warnings, arguments.repair, context.progress);
   }
   FairingOptions options;
   options.method = parse_choice<FairingMethod>(arguments.method);

@@ -29,7 +29,7 @@ Outcome run_remesh(const RemeshArguments& arguments, Context& context) {
   TriangleMesh mesh;
   {
     const ScopedStage stage(outcome.times, "read");
-    mesh = read_mesh_to_process(arguments.in, outcome.warnings, arguments.repair);
+    mesh = read_mesh_to_process(arguments.in, outcome.warnings, arguments.repair, context.progress);
   }
   RemeshedMeshOptions options;
   RemeshOptions& chosen = options.remesh;
@@ -84,14 +84,8 @@ Outcome run_remesh(const RemeshArguments& arguments, Context& context) {
                                  " degrees in the mean, ", degrees(quality.min_angle),
                                  " at the least; normals off by ", degrees(measures.normal_error),
                                  " degrees, mean curvature by ", 100 * measures.curvature_change, " %"));
-  if (result.flaws.empty()) return outcome;
-  std::string flaws;
-  for (const std::string& flaw : result.flaws) flaws += (flaws.empty() ? "" : "; ") + flaw;
-  if (arguments.accept_flaws)
-    outcome.warnings.push_back("accepted: " + flaws);
-  else
-    outcome.failure = concat("the new triangles do not stand for ", arguments.in, ": ", flaws, "; ",
-                             arguments.out, " was not written, --accept-flaws writes it all the same");
+  report_flaws(result.flaws, concat("the new triangles do not stand for ", arguments.in), arguments.out,
+               arguments.accept_flaws, outcome);
   return outcome;
 }
 

@@ -106,14 +106,8 @@ Outcome run_repair(const RepairArguments& arguments, Context& context) {
     outcome.lines.push_back(concat("wrote ", arguments.output, ": ", repaired.mesh.n_vertices(),
                                    " vertices, ", repaired.mesh.n_triangles(), " triangles",
                                    repaired.topology.is_watertight() ? ", closed" : ""));
-  if (repaired.flaws.empty()) return outcome;
-  std::string flaws;
-  for (const std::string& flaw : repaired.flaws) flaws += (flaws.empty() ? "" : "; ") + flaw;
-  if (arguments.accept_flaws)
-    outcome.warnings.push_back("accepted: " + flaws);
-  else
-    outcome.failure = concat("not all of ", arguments.input, " could be repaired: ", flaws, "; ",
-                             arguments.output, " was not written, --accept-flaws writes it all the same");
+  report_flaws(repaired.flaws, concat("not all of ", arguments.input, " could be repaired"), arguments.output,
+               arguments.accept_flaws, outcome);
   return outcome;
 }
 

@@ -112,7 +112,7 @@ Outcome run_simplify(const SimplifyArguments& arguments, Context& context) {
   TriangleMesh mesh;
   {
     const ScopedStage stage(outcome.times, "read");
-    mesh = read_mesh_to_process(arguments.input, outcome.warnings, arguments.repair);
+    mesh = read_mesh_to_process(arguments.input, outcome.warnings, arguments.repair, context.progress);
   }
   const SimplifiedMeshOptions options = options_of(arguments);
   const SimplifiedMesh result = simplified_mesh(mesh, options, context.progress);

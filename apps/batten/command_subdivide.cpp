@@ -39,14 +39,6 @@ std::vector<SubdivisionScheme> parse_schemes(const std::string& text) {
   return schemes;
 }
 
-/// Millimetres in the unit of the cage. @throws InvalidInput.
-double parse_unit(const std::string& text) {
-  const Length one = parse_length("1" + text);
-  if (one.kind != Length::Kind::Metres)
-    throw InvalidInput(concat("'", text, "' is no unit of length; use m, cm, mm, um, km, in or ft"));
-  return 1000 * one.value;
-}
-
 void check_arguments(const SubdivideArguments& arguments) {
   if (arguments.output.empty() && arguments.step.empty())
     throw CLI::ValidationError("subdivide", "needs an output: -o for a mesh, --step for CAD, or both");
@@ -76,7 +68,7 @@ SubdividedCageOptions options_of(const SubdivideArguments& arguments) {
   if (!arguments.step.empty()) {
     options.patches.emplace();
     options.patches->tolerance = parse_fraction(arguments.step_tolerance);
-    options.patches->step.millimetres_per_unit = parse_unit(arguments.unit);
+    options.patches->step.millimetres_per_unit = 1000 * metres_per_unit(arguments.unit);
   }
   return options;
 }
@@ -176,7 +168,7 @@ void add_subdivide(CLI::App& app) {
         if (!(parse_fraction(text) > 0)) throw InvalidInput("--step-tolerance must be above 0, got " + text);
       }));
   command->add_option("--unit", arguments->unit, "Unit of the cage, for STEP, which is in millimetres")
-      ->check(parses("UNIT", [](const std::string& text) { parse_unit(text); }));
+      ->check(parses("UNIT", [](const std::string& text) { metres_per_unit(text); }));
   command->add_option("--corners", arguments->corners, "Corners of the border: sharp or smooth")
       ->check(CLI::IsMember({"sharp", "smooth"}));
   command

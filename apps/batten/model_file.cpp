@@ -54,20 +54,21 @@ Model read_model(const std::string& path, std::vector<std::string>& warnings) {
   return model;
 }
 
-TriangleMesh read_mesh_to_process(const std::string& path, std::vector<std::string>& warnings, bool repair) {
+TriangleMesh read_mesh_to_process(const std::string& path, std::vector<std::string>& warnings, bool repair,
+                                  const Progress& progress) {
   TriangleMesh mesh = read_mesh(path, &warnings);
   if (const auto problem = mesh_problem(mesh)) throw InvalidInput(concat(path, ": ", *problem));
-  prepare_mesh(path, mesh, warnings, repair);
+  prepare_mesh(path, mesh, warnings, repair, progress);
   return mesh;
 }
 
 void prepare_mesh(const std::string& path, TriangleMesh& mesh, std::vector<std::string>& warnings,
-                  bool repair) {
+                  bool repair, const Progress& progress) {
   if (!repair) {
     if (const auto note = weld_soup(mesh)) warnings.push_back(concat(path, ": ", *note));
     return;
   }
-  RepairedMesh repaired = repaired_mesh(mesh);
+  RepairedMesh repaired = repaired_mesh(mesh, {}, progress);
   mesh = std::move(repaired.mesh);
   for (const std::string& done : repaired.done) warnings.push_back(concat(path, " repaired: ", done));
   for (const std::string& flaw : repaired.flaws) warnings.push_back(concat(path, " not repaired: ", flaw));

@@ -27,12 +27,12 @@ Model read_model(const std::string& path, std::vector<std::string>& warnings);
 /// Reads a mesh to be processed. A soup of triangles is welded; with `repair` everything is mended that
 /// `batten repair` mends without options. What was done is told in the warnings.
 /// @throws FileError as the readers; InvalidInput with what mesh_problem() says.
-TriangleMesh read_mesh_to_process(const std::string& path, std::vector<std::string>& warnings,
-                                  bool repair = false);
+TriangleMesh read_mesh_to_process(const std::string& path, std::vector<std::string>& warnings, bool repair,
+                                  const Progress& progress);
 
 /// The same for a mesh that has been read.
 void prepare_mesh(const std::string& path, TriangleMesh& mesh, std::vector<std::string>& warnings,
-                  bool repair);
+                  bool repair, const Progress& progress);
 
 /// Adds --repair.
 void add_repair_flag(CLI::App& command, bool& repair);

@@ -225,12 +225,12 @@ constexpr const char* kExitStatus =
     "line is "
     "wrong\n.TP\n3\nthe input is wrong\n.TP\n130\ninterrupted\n";
 
-}  // namespace
-
-std::string completion(const CLI::App& app, const std::string& shell) {
+/// To be sourced by the shell: "bash", "zsh" or "fish".
+std::string completion_for(const CLI::App& app, const std::string& shell) {
   return shell == "bash" ? bash_completion(app) : shell == "zsh" ? zsh_completion(app) : fish_completion(app);
 }
 
+/// A page in troff: of the program, or of one of its commands. @param command null: the program.
 std::string manual_page(const CLI::App& app, const CLI::App* command) {
   if (command == nullptr) {
     std::string page = heading("batten", app.get_description());
@@ -260,6 +260,29 @@ std::string manual_page(const CLI::App& app, const CLI::App* command) {
   page += concat(kExitStatus, ".SH EXAMPLE\n.nf\n", troff(command->get_footer()),
                  "\n.fi\n.SH SEE ALSO\n.BR batten (1)\n");
   return page;
+}
+
+}  // namespace
+
+ShellHelp::ShellHelp(CLI::App& app)
+    : completion_(
+          app.add_subcommand("completion", "Print the completion of commands and options for a shell.")),
+      manual_(app.add_subcommand("manual", "Print a page of the manual, for man.")) {
+  completion_->footer("Example:\n  source <(batten completion bash)");
+  completion_->add_option("SHELL", shell_, "bash, zsh or fish")
+      ->required()
+      ->check(CLI::IsMember({"bash", "zsh", "fish"}));
+  manual_->footer("Example:\n  batten manual surface | man -l -");
+  manual_->add_option("COMMAND", page_, "The command that it is about; the program when left out");
+}
+
+std::optional<std::string> ShellHelp::text(const CLI::App& app) const {
+  if (completion_->parsed()) return completion_for(app, shell_);
+  if (!manual_->parsed()) return std::nullopt;
+  if (page_.empty()) return manual_page(app, nullptr);
+  for (const CLI::App* command : commands_of(app))
+    if (command->get_name() == page_) return manual_page(app, command);
+  throw CLI::ValidationError(concat("there is no command '", page_, "'"));
 }
 
 }  // namespace batten::cli

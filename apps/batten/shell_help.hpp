@@ -1,4 +1,5 @@
 #pragma once
+#include <optional>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -7,12 +8,17 @@
 // differ.
 namespace batten::cli {
 
-/// The completion of commands, options and the words that an option takes, to be sourced by the shell.
-/// @param shell "bash", "zsh" or "fish".
-std::string completion(const CLI::App& app, const std::string& shell);
+/// The two commands that only print what shells and `man` want to know.
+class ShellHelp {
+ public:
+  explicit ShellHelp(CLI::App& app);
+  /// The text of the one that was asked for; nothing where it was another command.
+  /// @throws CLI::ValidationError where there is no such command.
+  std::optional<std::string> text(const CLI::App& app) const;
 
-/// A manual page in troff: of the program, or of one of its commands.
-/// @param command null: the program.
-std::string manual_page(const CLI::App& app, const CLI::App* command);
+ private:
+  std::string shell_, page_;
+  CLI::App *completion_ = nullptr, *manual_ = nullptr;
+};
 
 }  // namespace batten::cli
