@@ -1,9 +1,9 @@
 #pragma once
+#include "mesh/shapes.hpp"
+
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <fstream>
-#include <map>
 #include <string>
 
 #include <Eigen/Geometry>
@@ -22,42 +22,8 @@ struct Mesh {
 
 /// The cube [−1, 1]³ with n × n cells per face, closed, outward.
 inline Mesh cube(int n) {
-  std::map<std::array<int, 3>, int> numbers;
-  std::vector<std::array<int, 3>> corners;
-  std::vector<std::array<int, 3>> faces;
-  const auto vertex = [&](std::array<int, 3> p) {
-    const auto [it, is_new] = numbers.emplace(p, static_cast<int>(corners.size()));
-    if (is_new) corners.push_back(p);
-    return it->second;
-  };
-  for (int axis = 0; axis < 3; ++axis)
-    for (int side = 0; side < 2; ++side)
-      for (int i = 0; i < n; ++i)
-        for (int j = 0; j < n; ++j) {
-          const auto at = [&](int u, int v) {
-            std::array<int, 3> p{};
-            p[axis] = side * n;
-            p[(axis + 1) % 3] = u;
-            p[(axis + 2) % 3] = v;
-            return vertex(p);
-          };
-          const int a = at(i, j), b = at(i + 1, j), c = at(i + 1, j + 1), d = at(i, j + 1);
-          if (side == 1) {
-            faces.push_back({a, b, c});
-            faces.push_back({a, c, d});
-          } else {
-            faces.push_back({a, c, b});
-            faces.push_back({a, d, c});
-          }
-        }
-  Mesh mesh;
-  mesh.positions.resize(static_cast<Eigen::Index>(corners.size()), 3);
-  mesh.triangles.resize(static_cast<Eigen::Index>(faces.size()), 3);
-  for (std::size_t v = 0; v < corners.size(); ++v)
-    for (int k = 0; k < 3; ++k) mesh.positions(static_cast<Eigen::Index>(v), k) = 2.0 * corners[v][k] / n - 1;
-  for (std::size_t f = 0; f < faces.size(); ++f)
-    for (int k = 0; k < 3; ++k) mesh.triangles(static_cast<Eigen::Index>(f), k) = faces[f][k];
-  return mesh;
+  const TriangleMesh cube = box(n, {-1, -1, -1}, 2);
+  return {cube.positions, cube.triangles};
 }
 
 /// The cube pushed out to a sphere of radius r, its cells spread evenly.

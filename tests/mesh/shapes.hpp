@@ -1,6 +1,8 @@
 #pragma once
+#include <array>
 #include <cmath>
 #include <functional>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -94,6 +96,47 @@ inline Shape knot(int n) {
     shape.segments.row(i) << i, (i + 1) % n;
   }
   return shape;
+}
+
+/// The cube from `low` to low + size with n × n cells a face, two triangles each; closed, outward.
+inline TriangleMesh box(int n, const Eigen::Vector3d& low = Eigen::Vector3d::Zero(), double size = 1) {
+  const int side = n + 1;
+  std::vector<int> number(static_cast<size_t>(side * side * side), -1);
+  std::vector<Eigen::Vector3d> points;
+  std::vector<std::array<int, 3>> faces;
+  const auto vertex = [&](const std::array<int, 3>& p) {
+    int& index = number[static_cast<size_t>((p[0] * side + p[1]) * side + p[2])];
+    if (index < 0) {
+      index = static_cast<int>(points.size());
+      points.emplace_back(low + size * Eigen::Vector3d(p[0], p[1], p[2]) / n);
+    }
+    return index;
+  };
+  for (size_t axis = 0; axis < 3; ++axis)
+    for (const int end : {0, n})
+      for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n; ++j) {
+          const auto corner = [&](int u, int v) {
+            std::array<int, 3> p{};
+            p[axis] = end;
+            p[(axis + 1) % 3] = u;
+            p[(axis + 2) % 3] = v;
+            return vertex(p);
+          };
+          const int a = corner(i, j), b = corner(i + 1, j), c = corner(i + 1, j + 1), d = corner(i, j + 1);
+          if (end > 0) {
+            faces.push_back({a, b, c});
+            faces.push_back({a, c, d});
+          } else {
+            faces.push_back({a, c, b});
+            faces.push_back({a, d, c});
+          }
+        }
+  TriangleMesh mesh;
+  mesh.positions.resize(static_cast<Eigen::Index>(points.size()), 3);
+  for (size_t v = 0; v < points.size(); ++v) mesh.positions.row(static_cast<Eigen::Index>(v)) = points[v];
+  mesh.triangles = Eigen::Map<const Triangles>(faces[0].data(), static_cast<Eigen::Index>(faces.size()), 3);
+  return mesh;
 }
 
 }  // namespace batten::fixtures

@@ -140,10 +140,10 @@ TEST(FaceSplit, FollowsRotationAndScale) {
   EXPECT_NEAR(area(other), 1e6 * area(one), 1e-3);
 }
 
-// Half a cylinder between two half circles has its rectangle, as ever.
-TEST(FaceSplit, PlainHalfTubesAreNotUnrolled) {
-  const int splits = 3, m = 1 << splits;
-  const std::vector<Eigen::Vector2d> corners{{0, 0}, {kPi, 0}, {kPi, 1}, {0, 1}};
+/// The sides of a face of height 1 that goes so far around a tube of radius 1.
+std::vector<Points> sides_around_a_tube(double angle, int splits) {
+  const int m = 1 << splits;
+  const std::vector<Eigen::Vector2d> corners{{0, 0}, {angle, 0}, {angle, 1}, {0, 1}};
   std::vector<Points> sides;
   for (size_t k = 0; k < 4; ++k) {
     Points side(m + 1, 3);
@@ -153,25 +153,19 @@ TEST(FaceSplit, PlainHalfTubesAreNotUnrolled) {
     }
     sides.push_back(side);
   }
-  EXPECT_FALSE(split_face_into_quads(sides, splits).is_unrolled);
+  return sides;
+}
+
+// Half a cylinder between two half circles has its rectangle, as ever.
+TEST(FaceSplit, PlainHalfTubesAreNotUnrolled) {
+  EXPECT_FALSE(split_face_into_quads(sides_around_a_tube(kPi, 3), 3).is_unrolled);
 }
 
 // A face that goes nine tenths around a tube and comes near to itself there: no convex polygon keeps its ends
 // as near, and its own plane folds it. Unrolled it is the rectangle of 1.8 π times the height.
 TEST(FaceSplit, UnrollsAFaceThatNearlyClosesAroundATube) {
-  const int splits = 4, m = 1 << splits;
   const double width = 1.8 * kPi;
-  const std::vector<Eigen::Vector2d> corners{{0, 0}, {width, 0}, {width, 1}, {0, 1}};
-  std::vector<Points> sides;
-  for (size_t k = 0; k < 4; ++k) {
-    Points side(m + 1, 3);
-    for (int i = 0; i <= m; ++i) {
-      const Eigen::Vector2d p = corners[k] + (corners[(k + 1) % 4] - corners[k]) * i / m;
-      side.row(i) << std::cos(p.x()), std::sin(p.x()), p.y();
-    }
-    sides.push_back(side);
-  }
-  const FaceSplit split = split_face_into_quads(sides, splits);
+  const FaceSplit split = split_face_into_quads(sides_around_a_tube(width, 4), 4);
   EXPECT_TRUE(split.is_unrolled);
   double twice_area = 0;
   for (int i = 0; i < split.n_boundary; ++i) {
