@@ -1,5 +1,7 @@
 #include "thesis_h.hpp"
 
+#include "thesis_h_tables.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -28,79 +30,6 @@ namespace batten::experiments {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-/// H Table 2.1: counts and volumes of the meshes, and the noise c1, c2 of (2.36) put on them.
-struct MeshData {
-  const char* mesh;
-  long n_vertices;
-  double volume;
-  double c1, c2;
-};
-constexpr MeshData kTable21[] = {{"fandisk", 25894, 0.234024, -0.6, -0.6},
-                                 {"oilpump", 41090, 0.184494, -0.8, -0.8},
-                                 {"igea", 134345, 0.376882, 0.8, 0.8}};
-
-/// H Table 2.2: time step τ, iterations, ΔV "%", and σ of (2.30), 0 for none.
-struct FairingRow {
-  const char *mesh, *algorithm;
-  double time_step;
-  int iterations;
-  double volume_change, similarity;
-};
-constexpr FairingRow kTable22[] = {
-    {"fandisk", "MCF", 0.013, 10, 8.11e-4, 0},      {"fandisk", "SDF", 0.139, 10, 0.89e-4, 0},
-    {"fandisk", "NL-SDF", 0.139, 10, 0.92e-4, 0.6}, {"oilpump", "MCF", 0.013, 10, 5.93e-4, 0},
-    {"oilpump", "SDF", 0.077, 10, 0.32e-4, 0},      {"oilpump", "NL-SDF", 0.022, 10, 0.32e-4, 0.5},
-    {"igea", "MCF", 0.146, 20, 3.90e-4, 0},         {"igea", "SDF", 0.141, 20, 0.02e-4, 0},
-    {"igea", "NL-SDF", 0.141, 20, 0.02e-4, 0.6}};
-
-/// H Table 2.3: iterations; ΔH, ΔVar(E), ΔVar(A), ΔVar(H) in per cent; one-sided mean distance.
-struct RemeshRow {
-  const char *mesh, *method;
-  int iterations;
-  double curvature, edges, areas, curvature_variance, distance;
-};
-constexpr RemeshRow kTable23[] = {{"hand", "AR", 5, 17.8, 77.2, 61.2, 5.9, 0.002},
-                                  {"hand", "LF", 5, 40.3, 78.4, 51.6, 47.1, 0.003},
-                                  {"gargoyle", "AR", 10, 26.4, 63.7, 47.5, 14.3, 0.007},
-                                  {"gargoyle", "LF", 10, 69.0, 81.6, 48.0, 59.7, 0.016},
-                                  {"fandisk", "AR", 20, 4.7, 51.7, 55.2, 0.8, 0.005},
-                                  {"fandisk", "LF", 20, 30.3, 74.4, 31.0, 5.9, 0.013},
-                                  {"igea", "AR", 20, 12.9, 57.3, 41.4, 5.2, 0.004},
-                                  {"igea", "LF", 20, 27.5, 64.9, 41.5, 34.3, 0.005},
-                                  {"foot", "AR", 10, 13.1, 92.8, 65.4, 3.7, 0.007},
-                                  {"foot", "LF", 10, 28.2, 93.0, 62.7, 22.5, 0.008}};
-
-/// H Tables 2.4 and 2.5: share removed in per cent; dmax, dmean, dRMS (2.102–2.104) of MeshLab and of H.
-struct SimplifyRow {
-  const char* mesh;
-  double removed;
-  double meshlab[3], thesis[3];
-};
-constexpr SimplifyRow kTable24[] = {
-    {"cube-hole", 80, {0.451881, 0.020130, 0.057686}, {0.041205, 0.000515, 0.001484}},
-    {"cube-hole", 90, {0.312231, 0.008965, 0.032611}, {0.021760, 0.000822, 0.001798}},
-    {"cube-hole", 95, {0.418654, 0.015544, 0.046249}, {0.014150, 0.000815, 0.001572}},
-    {"cube-hole", 97, {0.522198, 0.019978, 0.060159}, {0.009750, 0.000937, 0.001454}},
-    {"fandisk", 80, {0.052219, 0.000163, 0.001662}, {0.007219, 0.000331, 0.000728}},
-    {"fandisk", 90, {0.054350, 0.000450, 0.003027}, {0.007670, 0.000505, 0.000976}},
-    {"fandisk", 95, {0.054343, 0.000536, 0.002795}, {0.013716, 0.000855, 0.001540}},
-    {"fandisk", 97, {0.098489, 0.001068, 0.006474}, {0.020589, 0.001210, 0.002178}},
-    {"mechpart", 80, {0.004266, 0.000380, 0.000633}, {0.011192, 0.001768, 0.002482}},
-    {"mechpart", 90, {0.010306, 0.001085, 0.001842}, {0.021135, 0.003309, 0.005000}},
-    {"mechpart", 95, {0.026714, 0.003438, 0.005651}, {0.036440, 0.005390, 0.008207}},
-    {"mechpart", 97, {0.083372, 0.011076, 0.017769}, {0.068840, 0.010379, 0.016617}}};
-constexpr SimplifyRow kTable25[] = {
-    {"horse", 99, {0.028324, 0.002269, 0.003014}, {0.023522, 0.002283, 0.002976}},
-    {"horse", 99.9, {0.161733, 0.018871, 0.027483}, {0.161740, 0.020073, 0.027316}},
-    {"dinosaur", 99, {0.022501, 0.003289, 0.004312}, {0.018831, 0.003295, 0.004232}},
-    {"dinosaur", 99.9, {0.125394, 0.018922, 0.024967}, {0.134250, 0.018896, 0.025031}},
-    {"foot", 99, {0.023356, 0.003518, 0.004635}, {0.017761, 0.003127, 0.004170}},
-    {"foot", 99.9, {0.110770, 0.024386, 0.031521}, {0.090827, 0.025222, 0.030887}},
-    {"hand", 99, {0.015215, 0.002073, 0.002715}, {0.017967, 0.001979, 0.002536}},
-    {"hand", 99.9, {0.121775, 0.017971, 0.024672}, {0.085372, 0.017085, 0.022208}},
-    {"igea", 99, {0.012795, 0.001324, 0.001753}, {0.011045, 0.001340, 0.001759}},
-    {"igea", 99.9, {0.046810, 0.008417, 0.010807}, {0.042718, 0.008091, 0.010267}}};
 
 constexpr std::uint64_t kNoiseSeed = 1;
 
@@ -134,6 +63,12 @@ TriangleMesh midpoint_subdivided(const TriangleMesh& mesh) {
   return result;
 }
 
+/// A mesh and the same with noise.
+struct NoisyMesh {
+  TriangleMesh clean, noisy;
+  double clean_volume = 0;
+};
+
 class Experiments {
  public:
   Experiments(std::string folder, bool pictures, const Progress& progress)
@@ -148,6 +83,9 @@ class Experiments {
 
  private:
   const TriangleMesh* mesh(const std::string& name);
+  std::optional<NoisyMesh> noisy_mesh(const MeshData& data);
+  Json faired(const std::string& mesh_name, const NoisyMesh& given, const std::string& algorithm,
+              const FairingRow* thesis, FairingMethod method);
   void draw(const std::string& table, const std::string& mesh_name, const std::string& title,
             const std::string& caption, const TriangleMesh& mesh, Shading shading, double zoom = 1);
   /// Runs one case; false, with a warning, where the method refuses the mesh.
@@ -215,6 +153,87 @@ void Experiments::draw(const std::string& table, const std::string& mesh_name, c
                               encode_png(render({.mesh = &mesh}, options, progress_)), false});
 }
 
+/// The mesh of a row of Table 2.1 with the thesis's noise; nothing where it is missing or refused.
+std::optional<NoisyMesh> Experiments::noisy_mesh(const MeshData& data) {
+  const TriangleMesh* given = mesh(data.mesh);
+  if (given == nullptr) return std::nullopt;
+  NoisyMesh made;
+  made.clean = *given;
+  // fandisk is at hand with a quarter of the thesis's triangles, from which one subdivision makes them.
+  if (mesh_edges(made.clean.triangles, made.clean.n_vertices()).n_edges() + made.clean.n_vertices() ==
+      data.n_vertices)
+    made.clean = midpoint_subdivided(made.clean);
+  made.noisy = made.clean;
+  const auto make_noisy = [&] {
+    made.noisy.positions = add_thesis_noise(made.clean.positions, made.clean.triangles, std::abs(data.c1),
+                                            std::abs(data.c2), kNoiseSeed);
+    made.clean_volume = enclosed_volume(made.clean.positions, made.clean.triangles);
+  };
+  if (!attempt("noise", concat("noise on ", data.mesh), make_noisy)) return std::nullopt;
+  return made;
+}
+
+/// How far positions of the noisy mesh are from those without noise.
+Json distance_from_clean(const NoisyMesh& given, const Points& positions) {
+  const TriangleMesh& clean = given.clean;
+  Json ours = Json::object();
+  const double change = enclosed_volume(positions, clean.triangles) / given.clean_volume - 1;
+  ours["volume_change_percent"] = std::isfinite(change) ? Json(100 * std::abs(change)) : Json(nullptr);
+  ours["normal_error_deg"] = degrees(mean_normal_angle(clean.positions, positions, clean.triangles));
+  return ours;
+}
+
+/// Adds a row to Table 2.2. @param thesis null where the thesis has none. @param ours null where we have
+/// none.
+void add_fairing_row(const std::string& mesh_name, const std::string& algorithm, const FairingRow* thesis,
+                     const Json& ours, ReportGrid& grid, Json& json) {
+  Json row = {{"mesh", mesh_name}, {"algorithm", algorithm}, {"thesis", nullptr}, {"ours", ours}};
+  std::vector<std::string> cells = {mesh_name, algorithm, "", "", "", "", "", "", "", ""};
+  if (thesis != nullptr) {
+    row["thesis"] = {{"time_step", thesis->time_step},
+                     {"iterations", thesis->iterations},
+                     {"volume_change", thesis->volume_change}};
+    cells[2] = number(thesis->time_step);
+    cells[4] = concat(thesis->iterations);
+    cells[6] = number(thesis->volume_change);
+    if (thesis->similarity > 0) {
+      row["thesis"]["similarity"] = thesis->similarity;
+      cells[8] = number(thesis->similarity);
+    }
+  }
+  if (!ours.is_null()) {
+    if (ours.contains("time_step") && !ours["time_step"].is_null())
+      cells[3] = number(ours["time_step"].get<double>());
+    if (ours.contains("iterations")) cells[5] = concat(ours["iterations"].get<int>());
+    if (!ours["volume_change_percent"].is_null())
+      cells[7] = number(ours["volume_change_percent"].get<double>(), "%.4f");
+    cells[9] = number(ours["normal_error_deg"].get<double>(), "%.2f") + "°";
+  }
+  grid.rows.push_back(std::move(cells));
+  json.push_back(std::move(row));
+}
+
+/// The figures of one algorithm; null where it refuses the mesh.
+Json Experiments::faired(const std::string& mesh_name, const NoisyMesh& given, const std::string& algorithm,
+                         const FairingRow* thesis, FairingMethod method) {
+  Json ours;
+  attempt("fair", concat("fairing ", mesh_name, " by ", algorithm), [&] {
+    FairingOptions options;
+    options.method = method;
+    if (thesis != nullptr) options.iterations = thesis->iterations;
+    const FairingResult result = fair(given.noisy.positions, given.noisy.triangles, options, progress_);
+    TriangleMesh smooth = given.noisy;
+    smooth.positions = result.positions;
+    ours = distance_from_clean(given, result.positions);
+    ours["iterations"] = result.iterations;
+    ours["time_step"] = result.time_step > 0 ? Json(result.time_step) : Json(nullptr);
+    draw("2.2", mesh_name, algorithm,
+         concat("Normals off by ", number(ours["normal_error_deg"].get<double>()), "°."), smooth,
+         Shading::Shaded);
+  });
+  return ours;
+}
+
 void Experiments::fairing() {
   ReportGrid grid;
   grid.title = "Table 2.2: fairing";
@@ -228,88 +247,24 @@ void Experiments::fairing() {
                   "steps ours", "ΔV (H)",    "ΔV ours, %", "σ (H)",  "normals ours"};
   Json& json = result_.tables["2.2"] = Json::array();
   for (const MeshData& data : kTable21) {
-    const TriangleMesh* given = mesh(data.mesh);
-    TriangleMesh clean, noisy;
-    double clean_volume = 0;
-    if (given != nullptr) {
-      clean = *given;
-      // fandisk is at hand with a quarter of the thesis's triangles, from which one subdivision makes them.
-      if (mesh_edges(clean.triangles, clean.n_vertices()).n_edges() + clean.n_vertices() == data.n_vertices)
-        clean = midpoint_subdivided(clean);
-      noisy = clean;
-      const auto make_noisy = [&] {
-        noisy.positions = add_thesis_noise(clean.positions, clean.triangles, std::abs(data.c1),
-                                           std::abs(data.c2), kNoiseSeed);
-        clean_volume = enclosed_volume(clean.positions, clean.triangles);
-      };
-      if (!attempt("noise", concat("noise on ", data.mesh), make_noisy)) given = nullptr;
-    }
-    const auto measured = [&](const Points& positions) {
-      Json ours = Json::object();
-      const double change = enclosed_volume(positions, clean.triangles) / clean_volume - 1;
-      ours["volume_change_percent"] = std::isfinite(change) ? Json(100 * std::abs(change)) : Json(nullptr);
-      ours["normal_error_deg"] = degrees(mean_normal_angle(clean.positions, positions, clean.triangles));
-      return ours;
-    };
+    const std::optional<NoisyMesh> given = noisy_mesh(data);
     const auto add = [&](const std::string& algorithm, const FairingRow* thesis, const Json& ours) {
-      Json row = {{"mesh", data.mesh}, {"algorithm", algorithm}, {"thesis", nullptr}, {"ours", ours}};
-      std::vector<std::string> cells = {data.mesh, algorithm, "", "", "", "", "", "", "", ""};
-      if (thesis != nullptr) {
-        row["thesis"] = {{"time_step", thesis->time_step},
-                         {"iterations", thesis->iterations},
-                         {"volume_change", thesis->volume_change}};
-        cells[2] = number(thesis->time_step);
-        cells[4] = concat(thesis->iterations);
-        cells[6] = number(thesis->volume_change);
-        if (thesis->similarity > 0) {
-          row["thesis"]["similarity"] = thesis->similarity;
-          cells[8] = number(thesis->similarity);
-        }
-      }
-      if (!ours.is_null()) {
-        if (ours.contains("time_step") && !ours["time_step"].is_null())
-          cells[3] = number(ours["time_step"].get<double>());
-        if (ours.contains("iterations")) cells[5] = concat(ours["iterations"].get<int>());
-        if (!ours["volume_change_percent"].is_null())
-          cells[7] = number(ours["volume_change_percent"].get<double>(), "%.4f");
-        cells[9] = number(ours["normal_error_deg"].get<double>(), "%.2f") + "°";
-      }
-      grid.rows.push_back(std::move(cells));
-      json.push_back(std::move(row));
+      add_fairing_row(data.mesh, algorithm, thesis, ours, grid, json);
     };
-    if (given != nullptr) {
-      draw("2.2", data.mesh, "without noise", counts(clean), clean, Shading::Shaded);
-      draw("2.2", data.mesh, "with noise", "", noisy, Shading::Shaded);
-      add("noisy", nullptr, measured(noisy.positions));
+    if (given) {
+      draw("2.2", data.mesh, "without noise", counts(given->clean), given->clean, Shading::Shaded);
+      draw("2.2", data.mesh, "with noise", "", given->noisy, Shading::Shaded);
+      add("noisy", nullptr, distance_from_clean(*given, given->noisy.positions));
     }
-    const auto run = [&](const std::string& algorithm, const FairingRow* thesis, FairingMethod method) {
-      Json ours;
-      if (given != nullptr)
-        attempt("fair", concat("fairing ", data.mesh, " by ", algorithm), [&] {
-          FairingOptions options;
-          options.method = method;
-          if (thesis != nullptr) options.iterations = thesis->iterations;
-          const FairingResult faired = fair(noisy.positions, noisy.triangles, options, progress_);
-          TriangleMesh smooth = noisy;
-          smooth.positions = faired.positions;
-          ours = measured(faired.positions);
-          ours["iterations"] = faired.iterations;
-          ours["time_step"] = faired.time_step > 0 ? Json(faired.time_step) : Json(nullptr);
-          draw("2.2", data.mesh, algorithm,
-               concat("Normals off by ", number(ours["normal_error_deg"].get<double>()), "°."), smooth,
-               Shading::Shaded);
-        });
-      add(algorithm, thesis, ours);
-    };
     for (const FairingRow& row : kTable22) {
       if (std::string(row.mesh) != data.mesh) continue;
       const std::string algorithm = row.algorithm;
-      run(algorithm, &row,
-          algorithm == "MCF"   ? FairingMethod::MeanCurvature
-          : algorithm == "SDF" ? FairingMethod::SurfaceDiffusion
-                               : FairingMethod::NonlocalSurfaceDiffusion);
+      const FairingMethod method = algorithm == "MCF"   ? FairingMethod::MeanCurvature
+                                   : algorithm == "SDF" ? FairingMethod::SurfaceDiffusion
+                                                        : FairingMethod::NonlocalSurfaceDiffusion;
+      add(algorithm, &row, given ? faired(data.mesh, *given, algorithm, &row, method) : Json());
     }
-    if (given != nullptr) run("auto", nullptr, FairingMethod::Automatic);
+    if (given) add("auto", nullptr, faired(data.mesh, *given, "auto", nullptr, FairingMethod::Automatic));
   }
   result_.grids.push_back(std::move(grid));
 }

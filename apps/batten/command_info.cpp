@@ -44,25 +44,35 @@ void add_box(const Points& positions, Outcome& outcome) {
   outcome.lines.push_back(concat("diameter ", bounding_box_diagonal(positions)));
 }
 
-void add_mesh(const TriangleMesh& mesh, Outcome& outcome) {
+/// What is found out about a mesh before anything is said.
+struct MeshFindings {
   MeshTopology topology;
-  {
-    ScopedStage stage(outcome.times, "topology");
-    topology = mesh_topology(mesh.triangles, mesh.n_vertices());
-  }
   MeshQuality quality;
   std::vector<int> degenerate, folded;
-  {
-    ScopedStage stage(outcome.times, "quality");
-    quality = mesh_quality(mesh.positions, mesh.triangles);
-    degenerate = degenerate_triangles(mesh.positions, mesh.triangles);
-    if (mesh.normals.rows() > 0) folded = folded_triangles(mesh.positions, mesh.triangles, mesh.normals);
-  }
   std::vector<std::pair<int, int>> crossings;
+};
+
+MeshFindings examine(const TriangleMesh& mesh, StageTimes& times) {
+  MeshFindings found;
   {
-    ScopedStage stage(outcome.times, "self-intersections");
-    crossings = self_intersections(mesh.positions, mesh.triangles, kMostListedIntersections);
+    ScopedStage stage(times, "topology");
+    found.topology = mesh_topology(mesh.triangles, mesh.n_vertices());
   }
+  {
+    ScopedStage stage(times, "quality");
+    found.quality = mesh_quality(mesh.positions, mesh.triangles);
+    found.degenerate = degenerate_triangles(mesh.positions, mesh.triangles);
+    if (mesh.normals.rows() > 0)
+      found.folded = folded_triangles(mesh.positions, mesh.triangles, mesh.normals);
+  }
+  {
+    ScopedStage stage(times, "self-intersections");
+    found.crossings = self_intersections(mesh.positions, mesh.triangles, kMostListedIntersections);
+  }
+  return found;
+}
+
+void add_mesh_topology(const TriangleMesh& mesh, const MeshTopology& topology, Outcome& outcome) {
   Json& f = outcome.figures;
   f["edges"] = topology.n_edges;
   f["components"] = topology.n_components;
@@ -86,58 +96,75 @@ void add_mesh(const TriangleMesh& mesh, Outcome& outcome) {
                                  ", Euler characteristic ", topology.euler_characteristic,
                                  genus ? concat(", genus ", *genus) : std::string(),
                                  topology.is_watertight() ? ", watertight" : ""));
-  add_box(mesh.positions, outcome);
-  if (mesh.n_triangles() > 0) {
-    f["area"] = surface_area(mesh.positions, mesh.triangles);
-    outcome.lines.push_back(concat("area ", surface_area(mesh.positions, mesh.triangles)));
-    if (topology.is_watertight()) {
-      f["volume"] = enclosed_volume(mesh.positions, mesh.triangles);
-      outcome.lines.back() += concat(", volume ", enclosed_volume(mesh.positions, mesh.triangles));
-    }
-    // JSON has no infinity: the aspect of a triangle without area is left out.
-    const auto finite = [](double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); };
-    f["quality"] = {{"min_angle_deg", degrees(quality.min_angle)},
-                    {"mean_min_angle_deg", degrees(quality.mean_min_angle)},
-                    {"max_angle_deg", degrees(quality.max_angle)},
-                    {"slivers", quality.slivers},
-                    {"regular_vertices", regular_share(mesh.triangles, mesh.n_vertices())},
-                    {"area_variance", finite(area_variance(mesh.positions, mesh.triangles))},
-                    {"mean_aspect", finite(quality.mean_aspect)},
-                    {"max_aspect", finite(quality.max_aspect)},
-                    {"min_edge", quality.min_edge},
-                    {"mean_edge", quality.mean_edge},
-                    {"max_edge", quality.max_edge}};
-    outcome.lines.push_back(concat("angles ", degrees(quality.min_angle), " to ", degrees(quality.max_angle),
-                                   " degrees, mean smallest ", degrees(quality.mean_min_angle), ", ",
-                                   100 * quality.slivers, " % of the faces below 20 degrees"));
-    outcome.lines.push_back(
-        concat("edges ", quality.min_edge, " to ", quality.max_edge, ", mean ", quality.mean_edge));
+}
+
+/// Area, volume, angles and edges. @pre the mesh has faces.
+void add_mesh_measures(const TriangleMesh& mesh, const MeshFindings& found, Outcome& outcome) {
+  Json& f = outcome.figures;
+  const MeshQuality& quality = found.quality;
+  f["area"] = surface_area(mesh.positions, mesh.triangles);
+  outcome.lines.push_back(concat("area ", surface_area(mesh.positions, mesh.triangles)));
+  if (found.topology.is_watertight()) {
+    f["volume"] = enclosed_volume(mesh.positions, mesh.triangles);
+    outcome.lines.back() += concat(", volume ", enclosed_volume(mesh.positions, mesh.triangles));
   }
-  f["degenerate_faces"] = degenerate.size();
-  if (mesh.normals.rows() > 0) f["folded_faces"] = folded.size();
-  f["self_intersections"] = crossings.size();
-  std::vector<std::string> diagnosis = topology.problems;
+  // JSON has no infinity: the aspect of a triangle without area is left out.
+  const auto finite = [](double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); };
+  f["quality"] = {{"min_angle_deg", degrees(quality.min_angle)},
+                  {"mean_min_angle_deg", degrees(quality.mean_min_angle)},
+                  {"max_angle_deg", degrees(quality.max_angle)},
+                  {"slivers", quality.slivers},
+                  {"regular_vertices", regular_share(mesh.triangles, mesh.n_vertices())},
+                  {"area_variance", finite(area_variance(mesh.positions, mesh.triangles))},
+                  {"mean_aspect", finite(quality.mean_aspect)},
+                  {"max_aspect", finite(quality.max_aspect)},
+                  {"min_edge", quality.min_edge},
+                  {"mean_edge", quality.mean_edge},
+                  {"max_edge", quality.max_edge}};
+  outcome.lines.push_back(concat("angles ", degrees(quality.min_angle), " to ", degrees(quality.max_angle),
+                                 " degrees, mean smallest ", degrees(quality.mean_min_angle), ", ",
+                                 100 * quality.slivers, " % of the faces below 20 degrees"));
+  outcome.lines.push_back(
+      concat("edges ", quality.min_edge, " to ", quality.max_edge, ", mean ", quality.mean_edge));
+}
+
+/// What is wrong with a mesh, a sentence each.
+std::vector<std::string> mesh_diagnosis(const TriangleMesh& mesh, const MeshFindings& found) {
+  std::vector<std::string> diagnosis = found.topology.problems;
   if (TriangleMesh welded = mesh; weld_soup(welded))
     diagnosis.push_back(concat("every face has vertices of its own, ",
                                mesh.n_vertices() - welded.n_vertices(),
                                " too many; batten repair IN -o OUT welds them"));
-  if (topology.is_watertight() && enclosed_volume(mesh.positions, mesh.triangles) < 0)
+  if (found.topology.is_watertight() && enclosed_volume(mesh.positions, mesh.triangles) < 0)
     diagnosis.emplace_back("the mesh is inside out; batten repair IN -o OUT turns it over");
-  if (topology.n_unused_vertices > 0)
-    diagnosis.push_back(
-        concat(counted(topology.n_unused_vertices, "vertex belongs", "vertices belong"), " to no face"));
-  if (!degenerate.empty())
-    diagnosis.push_back(concat(counted(static_cast<long>(degenerate.size()), "face has", "faces have"),
-                               " no area, the first is face ", degenerate[0],
+  if (found.topology.n_unused_vertices > 0)
+    diagnosis.push_back(concat(counted(found.topology.n_unused_vertices, "vertex belongs", "vertices belong"),
+                               " to no face"));
+  if (!found.degenerate.empty())
+    diagnosis.push_back(concat(counted(static_cast<long>(found.degenerate.size()), "face has", "faces have"),
+                               " no area, the first is face ", found.degenerate[0],
                                "; batten repair IN -o OUT leaves them out"));
-  if (!folded.empty())
-    diagnosis.push_back(concat(counted(static_cast<long>(folded.size()), "face points", "faces point"),
-                               " against the normals of the vertices, the first is face ", folded[0]));
-  if (!crossings.empty())
-    diagnosis.push_back(concat(crossings.size() == kMostListedIntersections ? "at least " : "",
-                               counted(static_cast<long>(crossings.size()), "pair", "pairs"),
-                               " of faces intersect, the first are faces ", crossings[0].first, " and ",
-                               crossings[0].second));
+  if (!found.folded.empty())
+    diagnosis.push_back(concat(counted(static_cast<long>(found.folded.size()), "face points", "faces point"),
+                               " against the normals of the vertices, the first is face ", found.folded[0]));
+  if (!found.crossings.empty())
+    diagnosis.push_back(concat(found.crossings.size() == kMostListedIntersections ? "at least " : "",
+                               counted(static_cast<long>(found.crossings.size()), "pair", "pairs"),
+                               " of faces intersect, the first are faces ", found.crossings[0].first, " and ",
+                               found.crossings[0].second));
+  return diagnosis;
+}
+
+void add_mesh(const TriangleMesh& mesh, Outcome& outcome) {
+  const MeshFindings found = examine(mesh, outcome.times);
+  add_mesh_topology(mesh, found.topology, outcome);
+  add_box(mesh.positions, outcome);
+  if (mesh.n_triangles() > 0) add_mesh_measures(mesh, found, outcome);
+  Json& f = outcome.figures;
+  f["degenerate_faces"] = found.degenerate.size();
+  if (mesh.normals.rows() > 0) f["folded_faces"] = found.folded.size();
+  f["self_intersections"] = found.crossings.size();
+  const std::vector<std::string> diagnosis = mesh_diagnosis(mesh, found);
   f["diagnosis"] = diagnosis;
   for (const std::string& sentence : diagnosis) outcome.lines.push_back("- " + sentence);
   if (diagnosis.empty()) outcome.lines.emplace_back("nothing to complain about");
@@ -198,6 +225,51 @@ void add_sketch_counts(const CurveNetwork& network, const Context& context, Outc
              counted(topology.n_components, "component", "components"), ", genus ", made.estimate.n_handles));
 }
 
+/// Lengths of the curves of a network and of the steps from vertex to vertex.
+struct NetworkLengths {
+  double total = 0, shortest = 0, longest = 0;  ///< curves
+  double min_step = 0, max_step = 0;
+  long n_steps = 0;
+};
+
+NetworkLengths measure_lengths(const CurveNetwork& network) {
+  NetworkLengths lengths;
+  for (size_t c = 0; c < network.curves.size(); ++c) {
+    double length = 0;
+    const std::vector<int>& vertices = network.curves[c].vertices;
+    for (size_t k = 1; k < vertices.size(); ++k) {
+      const double step =
+          (network.positions.row(vertices[k]) - network.positions.row(vertices[k - 1])).norm();
+      length += step;
+      lengths.min_step = lengths.n_steps == 0 ? step : std::min(lengths.min_step, step);
+      lengths.max_step = std::max(lengths.max_step, step);
+      ++lengths.n_steps;
+    }
+    lengths.total += length;
+    lengths.shortest = c == 0 ? length : std::min(lengths.shortest, length);
+    lengths.longest = std::max(lengths.longest, length);
+  }
+  return lengths;
+}
+
+/// What is wrong with a network: its figures, and a line each.
+Json add_findings(const std::vector<NetworkFinding>& findings, Outcome& outcome) {
+  Json list = Json::array();
+  for (const NetworkFinding& finding : findings) {
+    Json entry = {{"defect", defect_name(finding.defect)}, {"sentence", finding.sentence}};
+    if (finding.curve >= 0) entry["curve"] = finding.curve;
+    if (finding.other_curve >= 0) entry["other_curve"] = finding.other_curve;
+    if (finding.vertex >= 0) {
+      entry["vertex"] = finding.vertex;
+      entry["position"] = row_json(finding.position.transpose());
+      entry["distance"] = finding.distance;
+    }
+    list.push_back(entry);
+    outcome.lines.push_back(concat("- ", defect_name(finding.defect), ": ", finding.sentence));
+  }
+  return list;
+}
+
 void add_network(const CurveNetwork& network, const Context& context, Outcome& outcome) {
   NetworkTopology topology;
   std::vector<NetworkFinding> findings;
@@ -215,23 +287,7 @@ void add_network(const CurveNetwork& network, const Context& context, Outcome& o
     ScopedStage stage(outcome.times, "diagnosis");
     findings = diagnose_network(network);
   }
-  double total = 0, shortest = 0, longest = 0, min_step = 0, max_step = 0;
-  long n_steps = 0;
-  for (size_t c = 0; c < network.curves.size(); ++c) {
-    double length = 0;
-    const std::vector<int>& vertices = network.curves[c].vertices;
-    for (size_t k = 1; k < vertices.size(); ++k) {
-      const double step =
-          (network.positions.row(vertices[k]) - network.positions.row(vertices[k - 1])).norm();
-      length += step;
-      min_step = n_steps == 0 ? step : std::min(min_step, step);
-      max_step = std::max(max_step, step);
-      ++n_steps;
-    }
-    total += length;
-    shortest = c == 0 ? length : std::min(shortest, length);
-    longest = std::max(longest, length);
-  }
+  const NetworkLengths lengths = measure_lengths(network);
   const auto n_boundary = std::count_if(network.curves.begin(), network.curves.end(),
                                         [](const NetworkCurve& c) { return c.boundary; });
   Json& f = outcome.figures;
@@ -244,12 +300,12 @@ void add_network(const CurveNetwork& network, const Context& context, Outcome& o
   f["boundary_loops"] = count_boundary_loops(network);
   f["normals"] = network.has_normals();
   f["unit"] = network.unit;
-  f["length"] = total;
-  f["curve_length_min"] = shortest;
-  f["curve_length_max"] = longest;
-  f["step_min"] = min_step;
-  f["step_mean"] = n_steps > 0 ? total / static_cast<double>(n_steps) : 0;
-  f["step_max"] = max_step;
+  f["length"] = lengths.total;
+  f["curve_length_min"] = lengths.shortest;
+  f["curve_length_max"] = lengths.longest;
+  f["step_min"] = lengths.min_step;
+  f["step_mean"] = lengths.n_steps > 0 ? lengths.total / static_cast<double>(lengths.n_steps) : 0;
+  f["step_max"] = lengths.max_step;
   outcome.lines.push_back(concat(
       "network: ", counted(static_cast<long>(network.curves.size()), "curve", "curves"), " (", n_boundary,
       " on the border), ", counted(static_cast<long>(topology.nodes.size()), "node", "nodes"), ", ",
@@ -261,23 +317,10 @@ void add_network(const CurveNetwork& network, const Context& context, Outcome& o
              cycles.is_null() ? std::string() : concat(", ", counted(cycles.get<long>(), "cycle", "cycles")),
              ", ", counted(count_boundary_loops(network), "boundary loop", "boundary loops")));
   add_box(network.positions, outcome);
-  outcome.lines.push_back(concat("length ", total, ", curves ", shortest, " to ", longest, ", steps ",
-                                 min_step, " to ", max_step));
+  outcome.lines.push_back(concat("length ", lengths.total, ", curves ", lengths.shortest, " to ",
+                                 lengths.longest, ", steps ", lengths.min_step, " to ", lengths.max_step));
   if (!network.has_normals() && !network.curves.empty()) add_sketch_counts(network, context, outcome);
-  Json list = Json::array();
-  for (const NetworkFinding& finding : findings) {
-    Json entry = {{"defect", defect_name(finding.defect)}, {"sentence", finding.sentence}};
-    if (finding.curve >= 0) entry["curve"] = finding.curve;
-    if (finding.other_curve >= 0) entry["other_curve"] = finding.other_curve;
-    if (finding.vertex >= 0) {
-      entry["vertex"] = finding.vertex;
-      entry["position"] = row_json(finding.position.transpose());
-      entry["distance"] = finding.distance;
-    }
-    list.push_back(entry);
-    outcome.lines.push_back(concat("- ", defect_name(finding.defect), ": ", finding.sentence));
-  }
-  f["diagnosis"] = list;
+  f["diagnosis"] = add_findings(findings, outcome);
   if (findings.empty()) outcome.lines.emplace_back("nothing to complain about");
 }
 

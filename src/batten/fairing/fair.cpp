@@ -38,6 +38,114 @@ Points fair_by_total_variation(const Points& positions, const Triangles& triangl
   return refit_to_normals(positions, triangles, normals, 0.1, keep_boundary, progress);
 }
 
+/// One run of fair() by a given method.
+class FairingRun {
+ public:
+  FairingRun(const Points& positions, const Triangles& triangles, const FairingOptions& options,
+             const Progress& progress)
+      : positions_(positions), triangles_(triangles), options_(options), progress_(progress) {}
+
+  FairingResult run() {
+    if (options_.method == FairingMethod::Automatic) {
+      run_automatically();
+      return std::move(result_);
+    }
+    result_.noise = options_.noise >= 0 ? options_.noise : estimate_noise(positions_, triangles_).level;
+    run_method();
+    result_.largest_move =
+        positions_.rows() > 0 ? (result_.positions - positions_).rowwise().norm().maxCoeff() : 0;
+    return std::move(result_);
+  }
+
+ private:
+  int iterations(int standard) {
+    return result_.iterations = options_.iterations > 0 ? options_.iterations : standard;
+  }
+
+  void run_automatically() {
+    AutomaticFairingReport report;
+    result_.positions =
+        fair_automatically(positions_, triangles_,
+                           {options_.noise, options_.iterations, options_.keep_boundary}, &report, progress_);
+    result_.noise = report.noise;
+    result_.strategy = report.strategy;
+    result_.iterations = report.iterations;
+    result_.largest_move = report.largest_move;
+    result_.solves = report.solves;
+  }
+
+  template <typename Function, typename Options>
+  void run_flow(Function function, Options flow_options, int steps) {
+    flow_options.steps = iterations(steps);
+    flow_options.keep_boundary = options_.keep_boundary;
+    FlowReport report;
+    result_.positions = function(positions_, triangles_, flow_options, &report, progress_);
+    result_.iterations = report.steps;
+    result_.time_step = report.time_step;
+  }
+
+  void run_diffusion(bool nonlocal) {
+    SurfaceDiffusionOptions diffusion_options;
+    diffusion_options.nonlocal = nonlocal;
+    diffusion_options.steps = iterations(10);
+    diffusion_options.keep_boundary = options_.keep_boundary;
+    SurfaceDiffusionReport report;
+    result_.positions = surface_diffusion(positions_, triangles_, diffusion_options, &report, progress_);
+    result_.time_step = report.time_step;
+  }
+
+  template <typename Function>
+  void run_normal_filter(Function filter_normals) {
+    NormalFilterOptions filter;
+    filter.keep_boundary = options_.keep_boundary;
+    filter.iterations = iterations(20);
+    result_.positions =
+        move_to_normals(positions_, triangles_, filter_normals(positions_, triangles_, filter, progress_),
+                        filter.vertex_iterations, options_.keep_boundary);
+  }
+
+  void run_method() {
+    switch (options_.method) {
+      case FairingMethod::Automatic:
+        break;
+      case FairingMethod::NonlocalSurfaceDiffusion:
+        return run_diffusion(true);
+      case FairingMethod::SurfaceDiffusion:
+        return run_diffusion(false);
+      case FairingMethod::MeanCurvature:
+        return run_flow(mean_curvature_flow, FlowOptions{}, 3);
+      case FairingMethod::BiLaplacian:
+        return run_flow(bilaplacian_flow, FlowOptions{}, 10);
+      case FairingMethod::Anisotropic:
+        return run_flow(anisotropic_flow, AnisotropicFlowOptions{}, 3);
+      case FairingMethod::AnisotropicTensor:
+        return run_flow(anisotropic_tensor_flow, AnisotropicFlowOptions{}, 3);
+      case FairingMethod::Elastica:
+        return run_flow(elastica_flow, FlowOptions{}, 5);
+      case FairingMethod::Nonlocal:
+        return run_flow(nonlocal_flow, NonlocalFlowOptions{}, 3);
+      case FairingMethod::TotalVariation:
+        result_.positions = fair_by_total_variation(positions_, triangles_, result_.noise, iterations(200),
+                                                    options_.keep_boundary, progress_);
+        return;
+      case FairingMethod::Taubin:
+        result_.positions = taubin_smoothing(positions_, triangles_,
+                                             {0.5, -0.53, iterations(10), options_.keep_boundary}, progress_);
+        return;
+      case FairingMethod::BilateralNormal:
+        return run_normal_filter(bilateral_normals);
+      case FairingMethod::GuidedNormal:
+        return run_normal_filter(guided_normals);
+    }
+  }
+
+  const Points& positions_;
+  const Triangles& triangles_;
+  const FairingOptions& options_;
+  const Progress& progress_;
+  FairingResult result_;
+};
+
 }  // namespace
 
 std::optional<std::string> FairingOptions::problem() const {
@@ -50,90 +158,7 @@ FairingResult fair(const Points& positions, const Triangles& triangles, const Fa
                    const Progress& progress) {
   if (const auto problem = options.problem()) throw InvalidInput(*problem);
   fairing_detail::fixed_vertices(positions, triangles, false);  // checks the mesh
-  FairingResult result;
-  const auto iterations = [&](int standard) {
-    return result.iterations = options.iterations > 0 ? options.iterations : standard;
-  };
-  if (options.method == FairingMethod::Automatic) {
-    AutomaticFairingReport report;
-    result.positions = fair_automatically(
-        positions, triangles, {options.noise, options.iterations, options.keep_boundary}, &report, progress);
-    result.noise = report.noise;
-    result.strategy = report.strategy;
-    result.iterations = report.iterations;
-    result.largest_move = report.largest_move;
-    result.solves = report.solves;
-    return result;
-  }
-  result.noise = options.noise >= 0 ? options.noise : estimate_noise(positions, triangles).level;
-
-  const auto flow = [&](auto function, auto flow_options, int steps) {
-    flow_options.steps = iterations(steps);
-    flow_options.keep_boundary = options.keep_boundary;
-    FlowReport report;
-    result.positions = function(positions, triangles, flow_options, &report, progress);
-    result.iterations = report.steps;
-    result.time_step = report.time_step;
-  };
-  const auto diffusion = [&](bool nonlocal) {
-    SurfaceDiffusionOptions diffusion_options;
-    diffusion_options.nonlocal = nonlocal;
-    diffusion_options.steps = iterations(10);
-    diffusion_options.keep_boundary = options.keep_boundary;
-    SurfaceDiffusionReport report;
-    result.positions = surface_diffusion(positions, triangles, diffusion_options, &report, progress);
-    result.time_step = report.time_step;
-  };
-  NormalFilterOptions filter;
-  filter.keep_boundary = options.keep_boundary;
-  switch (options.method) {
-    case FairingMethod::Automatic:
-      break;
-    case FairingMethod::NonlocalSurfaceDiffusion:
-      diffusion(true);
-      break;
-    case FairingMethod::SurfaceDiffusion:
-      diffusion(false);
-      break;
-    case FairingMethod::MeanCurvature:
-      flow(mean_curvature_flow, FlowOptions{}, 3);
-      break;
-    case FairingMethod::BiLaplacian:
-      flow(bilaplacian_flow, FlowOptions{}, 10);
-      break;
-    case FairingMethod::Anisotropic:
-      flow(anisotropic_flow, AnisotropicFlowOptions{}, 3);
-      break;
-    case FairingMethod::AnisotropicTensor:
-      flow(anisotropic_tensor_flow, AnisotropicFlowOptions{}, 3);
-      break;
-    case FairingMethod::Elastica:
-      flow(elastica_flow, FlowOptions{}, 5);
-      break;
-    case FairingMethod::Nonlocal:
-      flow(nonlocal_flow, NonlocalFlowOptions{}, 3);
-      break;
-    case FairingMethod::TotalVariation:
-      result.positions = fair_by_total_variation(positions, triangles, result.noise, iterations(200),
-                                                 options.keep_boundary, progress);
-      break;
-    case FairingMethod::Taubin:
-      result.positions = taubin_smoothing(positions, triangles,
-                                          {0.5, -0.53, iterations(10), options.keep_boundary}, progress);
-      break;
-    case FairingMethod::BilateralNormal:
-    case FairingMethod::GuidedNormal: {
-      filter.iterations = iterations(20);
-      const auto filter_normals =
-          options.method == FairingMethod::BilateralNormal ? bilateral_normals : guided_normals;
-      result.positions =
-          move_to_normals(positions, triangles, filter_normals(positions, triangles, filter, progress),
-                          filter.vertex_iterations, options.keep_boundary);
-      break;
-    }
-  }
-  result.largest_move = positions.rows() > 0 ? (result.positions - positions).rowwise().norm().maxCoeff() : 0;
-  return result;
+  return FairingRun(positions, triangles, options, progress).run();
 }
 
 }  // namespace batten

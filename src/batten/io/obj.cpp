@@ -64,107 +64,184 @@ struct Reference {
   }
 };
 
+/// A word that OBJ might use: other statements are no OBJ at all.
+bool is_keyword(std::string_view word) {
+  return std::all_of(word.begin(), word.end(),
+                     [](char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_'; }) &&
+         std::isalpha(static_cast<unsigned char>(word[0]));
+}
+
+/// Statements that say nothing about shape, or repeat what the free-form ones say.
+bool is_harmless(std::string_view word) {
+  static constexpr std::string_view kHarmless[] = {
+      "mtllib", "usemtl",     "usemap",    "maplib", "s",     "mg",       "vp",
+      "cstype", "deg",        "bmat",      "step",   "parm",  "trim",     "hole",
+      "scrv",   "sp",         "end",       "con",    "bevel", "c_interp", "d_interp",
+      "lod",    "shadow_obj", "trace_obj", "ctech",  "stech", "call",     "csh"};
+  return std::find(std::begin(kHarmless), std::end(kHarmless), word) != std::end(kHarmless);
+}
+
+class ObjParser {
+ public:
+  ObjParser(std::string content, const std::string& path) : path_(path), reader_(std::move(content), path) {}
+
+  ObjContent parse() {
+    Statements statements(reader_);
+    std::string_view statement, word;
+    while (statements.next(statement)) {
+      const std::string_view line = trim(statement);
+      if (line.substr(0, 8) == "# batten") obj_.comments.emplace_back(trim(line.substr(8)));
+      Tokens tokens(without_comment(line));
+      if (tokens.next(word)) read(word, line, tokens);
+    }
+    vertices_.check(obj_.positions.size() / 3, "vertex", path_);
+    normals_.check(obj_.normals.size() / 3, "normal", path_);
+    warn();
+    return std::move(obj_);
+  }
+
+ private:
+  /// One statement: its first word, all of its line, and what follows the word.
+  void read(std::string_view word, std::string_view line, Tokens& tokens) {
+    if (word == "v")
+      read_point(tokens, obj_.positions, "a coordinate");
+    else if (word == "vn")
+      read_point(tokens, obj_.normals, "a coordinate of the normal");
+    else if (word == "f")
+      read_face(tokens);
+    else if (word == "l")
+      read_line(tokens);
+    else if (word == "t")
+      obj_.tags.push_back({std::string(trim(without_comment(line).substr(1))), reader_.line_number()});
+    else if (word == "o")
+      object_ = trim(line.substr(1));
+    else if (word == "g")
+      group_ = trim(line.substr(1));
+    else if (word == "p")
+      ++obj_.n_points;
+    else if (word == "vt")
+      ++n_texture_;
+    else if (word == "curv" || word == "curv2" || word == "surf")
+      ++n_free_form_;
+    else if (!is_keyword(word))
+      reader_.fail("this is no OBJ statement; is the extension right?");
+    else if (!is_harmless(word) && n_unknown_++ == 0) {
+      first_unknown_ = reader_.line_number();
+      unknown_ = word.substr(0, 30);
+    }
+  }
+
+  void read_point(Tokens& tokens, std::vector<double>& values, std::string_view what) {
+    if (values.size() / 3 >= static_cast<size_t>(kMost)) reader_.fail("too many vertices for this program");
+    for (int k = 0; k < 3; ++k) values.push_back(read_finite(tokens, reader_, what));
+  }
+
+  /// The vertex that a word names, up to its first slash.
+  int read_vertex(std::string_view word, std::string_view no_integer) {
+    long index = 0;
+    if (!parse_integer(word.substr(0, word.find('/')), index)) reader_.fail(no_integer);
+    const long vertex = resolved(index, obj_.positions.size() / 3, reader_, "vertex");
+    vertices_.note(vertex, reader_.line_number());
+    return static_cast<int>(vertex);
+  }
+
+  /// The normal of a corner a, a/t, a//n or a/t/n; −1 where it has none.
+  int read_normal(std::string_view word) {
+    const size_t slash = word.find('/');
+    if (slash == std::string_view::npos) return -1;
+    const size_t second = word.find('/', slash + 1);
+    if (second == std::string_view::npos || second + 1 >= word.size()) return -1;
+    long index = 0;
+    if (!parse_integer(word.substr(second + 1), index))
+      reader_.fail("the index of a normal is no integer; expected f a//n … or f a/t/n …");
+    const long normal = resolved(index, obj_.normals.size() / 3, reader_, "normal");
+    normals_.note(normal, reader_.line_number());
+    return static_cast<int>(normal);
+  }
+
+  void read_face(Tokens& tokens) {
+    int n_corners = 0;
+    std::string_view word;
+    while (tokens.next(word)) {
+      const int vertex =
+          read_vertex(word, "a corner is no integer; expected f a b c, f a/t …, f a//n … or f a/t/n …");
+      const int normal = read_normal(word);
+      obj_.face_vertices.push_back(vertex);
+      obj_.face_normals.push_back(normal);
+      ++n_corners;
+    }
+    if (n_corners == 0) reader_.fail("a face without corners");
+    if (obj_.face_vertices.size() > static_cast<size_t>(kMost))
+      reader_.fail("too many faces for this program");
+    obj_.face_offsets.push_back(static_cast<int>(obj_.face_vertices.size()));
+  }
+
+  void read_line(Tokens& tokens) {
+    ObjContent::Line polyline{object_, group_, {}, reader_.line_number()};
+    std::string_view word;
+    while (tokens.next(word))
+      polyline.vertices.push_back(read_vertex(word, "a point of a line is no integer; expected l a b c …"));
+    if (polyline.vertices.size() < 2) reader_.fail("a line needs at least two points");
+    obj_.lines.push_back(std::move(polyline));
+  }
+
+  /// Says what was left out.
+  void warn() {
+    if (n_unknown_ > 0)
+      obj_.warnings.push_back(concat(n_unknown_, " unknown statements were left out (the first is '",
+                                     unknown_, "' on line ", first_unknown_, ")"));
+    if (n_texture_ > 0) obj_.warnings.push_back(concat(n_texture_, " texture coordinates were left out"));
+    if (n_free_form_ > 0)
+      obj_.warnings.push_back(
+          concat(n_free_form_, " free-form curves or surfaces were left out; export polylines or faces"));
+  }
+
+  const std::string& path_;
+  LineReader reader_;
+  ObjContent obj_;
+  std::string object_, group_;  // that lines belong to
+  Reference vertices_, normals_;
+  long n_texture_ = 0, n_free_form_ = 0, n_unknown_ = 0, first_unknown_ = 0;
+  std::string unknown_;  // the first
+};
+
+/// OBJ gives normals to corners; a mesh here has one per vertex. They agree when every corner of a vertex
+/// carries the same three numbers.
+void take_normals(ObjContent& obj, RawMesh& mesh) {
+  const size_t n = obj.positions.size() / 3;
+  std::vector<int> normal_of(n, -1);
+  bool referred = false, agree = true;
+  for (size_t c = 0; c < obj.face_vertices.size() && agree; ++c) {
+    const int normal = obj.face_normals[c];
+    if (normal < 0) continue;
+    referred = true;
+    int& known = normal_of[static_cast<size_t>(obj.face_vertices[c])];
+    if (known < 0)
+      known = normal;
+    else
+      for (size_t k = 0; k < 3; ++k)
+        agree = agree && obj.normals[3 * static_cast<size_t>(known) + k] ==
+                             obj.normals[3 * static_cast<size_t>(normal) + k];
+  }
+  if (!referred && obj.normals.size() == obj.positions.size()) {
+    mesh.normals = std::move(obj.normals);  // not referred to, but one for each vertex
+  } else if (referred && agree) {
+    mesh.normals.assign(3 * n, 0.0);
+    for (size_t v = 0; v < n; ++v)
+      if (normal_of[v] >= 0)
+        std::copy_n(obj.normals.begin() + 3 * normal_of[v], 3,
+                    mesh.normals.begin() + static_cast<long>(3 * v));
+  } else if (referred) {
+    mesh.warnings.emplace_back("the normals differ between the faces around a vertex and were left out");
+  } else {
+    mesh.warnings.push_back(concat(obj.normals.size() / 3, " normals that no face refers to were left out"));
+  }
+}
+
 }  // namespace
 
 ObjContent parse_obj(std::string content, const std::string& path) {
-  ObjContent obj;
-  LineReader reader(std::move(content), path);
-  Statements statements(reader);
-  std::string_view statement, word;
-  std::string object, group;
-  Reference vertex_reference, normal_reference;
-  long n_texture = 0, n_unknown = 0, first_unknown = 0, n_free_form = 0;
-  std::string unknown;
-  while (statements.next(statement)) {
-    const std::string_view line = trim(statement);
-    if (line.substr(0, 8) == "# batten") obj.comments.emplace_back(trim(line.substr(8)));
-    Tokens tokens(without_comment(line));
-    if (!tokens.next(word)) continue;
-    if (word == "v" || word == "vn") {
-      std::vector<double>& values = word == "v" ? obj.positions : obj.normals;
-      if (values.size() / 3 >= static_cast<size_t>(kMost)) reader.fail("too many vertices for this program");
-      for (int k = 0; k < 3; ++k)
-        values.push_back(
-            read_finite(tokens, reader, word == "v" ? "a coordinate" : "a coordinate of the normal"));
-    } else if (word == "f") {
-      int n_corners = 0;
-      while (tokens.next(word)) {
-        // a, a/t, a//n or a/t/n
-        const size_t slash = word.find('/');
-        long index = 0;
-        if (!parse_integer(word.substr(0, slash), index))
-          reader.fail("a corner is no integer; expected f a b c, f a/t …, f a//n … or f a/t/n …");
-        const long vertex = resolved(index, obj.positions.size() / 3, reader, "vertex");
-        vertex_reference.note(vertex, reader.line_number());
-        long normal = -1;
-        if (slash != std::string_view::npos) {
-          const size_t second = word.find('/', slash + 1);
-          if (second != std::string_view::npos && second + 1 < word.size()) {
-            if (!parse_integer(word.substr(second + 1), index))
-              reader.fail("the index of a normal is no integer; expected f a//n … or f a/t/n …");
-            normal = resolved(index, obj.normals.size() / 3, reader, "normal");
-            normal_reference.note(normal, reader.line_number());
-          }
-        }
-        obj.face_vertices.push_back(static_cast<int>(vertex));
-        obj.face_normals.push_back(static_cast<int>(normal));
-        ++n_corners;
-      }
-      if (n_corners == 0) reader.fail("a face without corners");
-      if (obj.face_vertices.size() > static_cast<size_t>(kMost))
-        reader.fail("too many faces for this program");
-      obj.face_offsets.push_back(static_cast<int>(obj.face_vertices.size()));
-    } else if (word == "l") {
-      ObjContent::Line polyline{object, group, {}, reader.line_number()};
-      while (tokens.next(word)) {
-        long index = 0;
-        if (!parse_integer(word.substr(0, word.find('/')), index))
-          reader.fail("a point of a line is no integer; expected l a b c …");
-        const long vertex = resolved(index, obj.positions.size() / 3, reader, "vertex");
-        vertex_reference.note(vertex, reader.line_number());
-        polyline.vertices.push_back(static_cast<int>(vertex));
-      }
-      if (polyline.vertices.size() < 2) reader.fail("a line needs at least two points");
-      obj.lines.push_back(std::move(polyline));
-    } else if (word == "t") {
-      obj.tags.push_back({std::string(trim(without_comment(line).substr(1))), reader.line_number()});
-    } else if (word == "o") {
-      object = trim(line.substr(1));
-    } else if (word == "g") {
-      group = trim(line.substr(1));
-    } else if (word == "p") {
-      ++obj.n_points;
-    } else if (word == "vt") {
-      ++n_texture;
-    } else if (word == "curv" || word == "curv2" || word == "surf") {
-      ++n_free_form;
-    } else if (std::all_of(word.begin(), word.end(),
-                           [](char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_'; }) &&
-               std::isalpha(static_cast<unsigned char>(word[0]))) {
-      static constexpr std::string_view kHarmless[] = {
-          "mtllib", "usemtl",     "usemap",    "maplib", "s",     "mg",       "vp",
-          "cstype", "deg",        "bmat",      "step",   "parm",  "trim",     "hole",
-          "scrv",   "sp",         "end",       "con",    "bevel", "c_interp", "d_interp",
-          "lod",    "shadow_obj", "trace_obj", "ctech",  "stech", "call",     "csh"};
-      if (std::find(std::begin(kHarmless), std::end(kHarmless), word) == std::end(kHarmless) &&
-          n_unknown++ == 0) {
-        first_unknown = reader.line_number();
-        unknown = word.substr(0, 30);
-      }
-    } else {
-      reader.fail("this is no OBJ statement; is the extension right?");
-    }
-  }
-  vertex_reference.check(obj.positions.size() / 3, "vertex", path);
-  normal_reference.check(obj.normals.size() / 3, "normal", path);
-  if (n_unknown > 0)
-    obj.warnings.push_back(concat(n_unknown, " unknown statements were left out (the first is '", unknown,
-                                  "' on line ", first_unknown, ")"));
-  if (n_texture > 0) obj.warnings.push_back(concat(n_texture, " texture coordinates were left out"));
-  if (n_free_form > 0)
-    obj.warnings.push_back(
-        concat(n_free_form, " free-form curves or surfaces were left out; export polylines or faces"));
-  return obj;
+  return ObjParser(std::move(content), path).parse();
 }
 
 RawMesh parse_obj_mesh(std::string content, const std::string& path) {
@@ -182,39 +259,7 @@ RawMesh parse_obj_mesh(std::string content, const std::string& path) {
                    obj.face_vertices.begin() + obj.face_offsets[f + 1]);
     add_face(mesh, corners);
   }
-  const size_t n = obj.positions.size() / 3;
-  if (!obj.normals.empty()) {
-    // OBJ gives normals to corners; a mesh here has one per vertex. They agree when every corner of a vertex
-    // carries the same three numbers.
-    std::vector<int> normal_of(n, -1);
-    bool referred = false, agree = true;
-    for (size_t c = 0; c < obj.face_vertices.size() && agree; ++c) {
-      const int normal = obj.face_normals[c];
-      if (normal < 0) continue;
-      referred = true;
-      int& known = normal_of[static_cast<size_t>(obj.face_vertices[c])];
-      if (known < 0)
-        known = normal;
-      else
-        for (size_t k = 0; k < 3; ++k)
-          agree = agree && obj.normals[3 * static_cast<size_t>(known) + k] ==
-                               obj.normals[3 * static_cast<size_t>(normal) + k];
-    }
-    if (!referred && obj.normals.size() == obj.positions.size()) {
-      mesh.normals = std::move(obj.normals);  // not referred to, but one for each vertex
-    } else if (referred && agree) {
-      mesh.normals.assign(3 * n, 0.0);
-      for (size_t v = 0; v < n; ++v)
-        if (normal_of[v] >= 0)
-          std::copy_n(obj.normals.begin() + 3 * normal_of[v], 3,
-                      mesh.normals.begin() + static_cast<long>(3 * v));
-    } else if (referred) {
-      mesh.warnings.emplace_back("the normals differ between the faces around a vertex and were left out");
-    } else {
-      mesh.warnings.push_back(
-          concat(obj.normals.size() / 3, " normals that no face refers to were left out"));
-    }
-  }
+  if (!obj.normals.empty()) take_normals(obj, mesh);
   for (ObjContent::Line& line : obj.lines) mesh.polylines.push_back({std::move(line.vertices), line.line});
   mesh.tags = std::move(obj.tags);
   mesh.positions = std::move(obj.positions);

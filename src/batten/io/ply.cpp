@@ -74,6 +74,34 @@ struct Header {
   long n_lines = 0;  // lines
 };
 
+/// The words of a line "format ENCODING 1.0". False when they are none.
+bool parse_format(const std::vector<std::string_view>& words, Encoding& encoding) {
+  if (words.size() < 2) return false;
+  if (words[1] == "ascii")
+    encoding = Encoding::Ascii;
+  else if (words[1] == "binary_little_endian")
+    encoding = Encoding::Little;
+  else if (words[1] == "binary_big_endian")
+    encoding = Encoding::Big;
+  else
+    return false;
+  return true;
+}
+
+bool is_floating(Type type) {
+  return type == Type::Float32 || type == Type::Float64;
+}
+
+/// The words of a line "property TYPE NAME" or "property list TYPE TYPE NAME". False when they are none.
+bool parse_property(const std::vector<std::string_view>& words, Property& property) {
+  property.list = words.size() > 1 && words[1] == "list";
+  const bool known = property.list ? words.size() == 5 && type_of(words[2], property.count_type) &&
+                                         type_of(words[3], property.type)
+                                   : words.size() == 3 && type_of(words[1], property.type);
+  if (known) property.name = words.back();
+  return known;
+}
+
 Header parse_header(std::string_view content, const std::string& path) {
   Header header;
   size_t begin = content.substr(0, 3) == "\xEF\xBB\xBF" ? 3 : 0;
@@ -95,14 +123,7 @@ Header parse_header(std::string_view content, const std::string& path) {
     if (words.empty() || words[0] == "comment" || words[0] == "obj_info") continue;
     if (words[0] == "end_header") break;
     if (words[0] == "format") {
-      if (words.size() < 2) fail("expected 'format ascii|binary_little_endian|binary_big_endian 1.0'");
-      if (words[1] == "ascii")
-        header.encoding = Encoding::Ascii;
-      else if (words[1] == "binary_little_endian")
-        header.encoding = Encoding::Little;
-      else if (words[1] == "binary_big_endian")
-        header.encoding = Encoding::Big;
-      else
+      if (!parse_format(words, header.encoding))
         fail("expected 'format ascii|binary_little_endian|binary_big_endian 1.0'");
       has_format = true;
     } else if (words[0] == "element") {
@@ -114,19 +135,10 @@ Header parse_header(std::string_view content, const std::string& path) {
     } else if (words[0] == "property") {
       if (header.elements.empty()) fail("a property stands before the first element");
       Property property;
-      property.list = words.size() > 1 && words[1] == "list";
-      bool known = false;
-      if (property.list) {
-        known =
-            words.size() == 5 && type_of(words[2], property.count_type) && type_of(words[3], property.type);
-        if (known && (property.count_type == Type::Float32 || property.count_type == Type::Float64))
-          fail("the length of a list must be of an integer type");
-      } else {
-        known = words.size() == 3 && type_of(words[1], property.type);
-      }
-      if (!known)
+      if (!parse_property(words, property))
         fail("expected 'property TYPE NAME' or 'property list TYPE TYPE NAME' with the types of PLY 1.0");
-      property.name = words.back();
+      if (property.list && is_floating(property.count_type))
+        fail("the length of a list must be of an integer type");
       header.elements.back().properties.push_back(property);
     } else {
       fail(concat("unknown header line '", line.substr(0, 40), "'"));
@@ -135,6 +147,36 @@ Header parse_header(std::string_view content, const std::string& path) {
   if (!has_format) throw FileError(path, 2, "the PLY header has no 'format' line");
   header.size = begin;
   return header;
+}
+
+/// The number that the lowest bits stand for.
+double number_of(Type type, std::uint64_t bits) {
+  switch (type) {
+    case Type::Int8:
+      return static_cast<std::int8_t>(bits);
+    case Type::Uint8:
+      return static_cast<std::uint8_t>(bits);
+    case Type::Int16:
+      return static_cast<std::int16_t>(bits);
+    case Type::Uint16:
+      return static_cast<std::uint16_t>(bits);
+    case Type::Int32:
+      return static_cast<std::int32_t>(bits);
+    case Type::Uint32:
+      return static_cast<std::uint32_t>(bits);
+    case Type::Float32: {
+      float value = 0;
+      const auto half = static_cast<std::uint32_t>(bits);
+      std::memcpy(&value, &half, sizeof value);
+      return value;
+    }
+    case Type::Float64: {
+      double value = 0;
+      std::memcpy(&value, &bits, sizeof value);
+      return value;
+    }
+  }
+  return 0;
 }
 
 /// Values one after the other, from text or bytes. The errors name the element being read.
@@ -178,32 +220,7 @@ class Values {
     at_ += size;
     std::uint64_t bits = 0;
     for (size_t k = size; k-- > 0;) bits = bits << 8 | bytes[k];
-    switch (type) {
-      case Type::Int8:
-        return static_cast<std::int8_t>(bits);
-      case Type::Uint8:
-        return static_cast<std::uint8_t>(bits);
-      case Type::Int16:
-        return static_cast<std::int16_t>(bits);
-      case Type::Uint16:
-        return static_cast<std::uint16_t>(bits);
-      case Type::Int32:
-        return static_cast<std::int32_t>(bits);
-      case Type::Uint32:
-        return static_cast<std::uint32_t>(bits);
-      case Type::Float32: {
-        float value = 0;
-        const auto half = static_cast<std::uint32_t>(bits);
-        std::memcpy(&value, &half, sizeof value);
-        return value;
-      }
-      case Type::Float64: {
-        double value = 0;
-        std::memcpy(&value, &bits, sizeof value);
-        return value;
-      }
-    }
-    return 0;
+    return number_of(type, bits);
   }
 
   /// The length of a list, held against what is left of the file.

@@ -73,97 +73,130 @@ double cotangent(double a, double b, double c) {
   return area > 0 ? (b * b + c * c - a * a) / (4 * area) : 0;
 }
 
-}  // namespace
+/// Flips edges of a triangulation in the metric of its lengths. A half-edge 3f + k is the edge opposite
+/// corner k of triangle f.
+class EdgeFlipper {
+ public:
+  /// @param fixed as in intrinsic_delaunay().
+  EdgeFlipper(const Triangles& triangles, const EdgeLengths& lengths, const std::vector<char>& fixed)
+      : result_{triangles, lengths, 0},
+        twin_(opposite_half_edges(triangles)),
+        frozen_(fixed),
+        queued_(twin_.size(), 0) {
+    frozen_.resize(twin_.size(), 0);
+  }
 
-IntrinsicTriangulation intrinsic_delaunay(const Triangles& triangles, const EdgeLengths& lengths,
-                                          const std::vector<char>& fixed) {
-  IntrinsicTriangulation result{triangles, lengths, 0};
-  Triangles& T = result.triangles;
-  EdgeLengths& l = result.lengths;
-  std::vector<int> twin = opposite_half_edges(T);
-  std::vector<char> frozen = fixed;
-  frozen.resize(twin.size(), 0);
-  std::vector<int> stack;
-  std::vector<char> queued(twin.size(), 0);
-  for (int h = 0; h < static_cast<int>(twin.size()); ++h)
-    if (h < twin[h]) {
-      stack.push_back(h);
-      queued[h] = 1;
+  IntrinsicTriangulation make_delaunay() {
+    for (int h = 0; h < static_cast<int>(twin_.size()); ++h)
+      if (h < twin_[h]) queue(h);
+    std::reverse(stack_.begin(), stack_.end());
+    // Each flip lowers the Dirichlet energy of every function, so the loop ends; the bound guards rounding.
+    const long most = 50L * static_cast<long>(twin_.size()) + 1000;
+    while (!stack_.empty() && result_.flips < most) {
+      const int h = stack_.back();
+      stack_.pop_back();
+      queued_[h] = 0;
+      const int g = twin_[h];
+      if (g < 0 || frozen_[h] || frozen_[g]) continue;
+      const double diagonal = flipped_length(h, g);
+      // A double edge would make the triangulation a multigraph, whose triangles cannot name their edges.
+      if (diagonal >= 0 && !are_joined(h, apex(g))) flip(h, g, diagonal);
     }
-  const auto next = [](int h) { return h % 3 == 2 ? h - 2 : h + 1; };
-  const auto previous = [](int h) { return h % 3 == 0 ? h + 2 : h - 1; };
-  const auto apex = [&](int h) { return T(h / 3, h % 3); };
-  const auto length = [&](int h) { return l(h / 3, h % 3); };
-  std::reverse(stack.begin(), stack.end());
-  // Each flip lowers the Dirichlet energy of every function, so the loop ends; the bound guards rounding.
-  const long most = 50L * static_cast<long>(twin.size()) + 1000;
-  while (!stack.empty() && result.flips < most) {
-    int h = stack.back();
-    stack.pop_back();
-    queued[h] = 0;
-    const int g = twin[h];
-    if (g < 0 || frozen[h] || frozen[g]) continue;
+    return std::move(result_);
+  }
+
+ private:
+  static int next(int h) { return h % 3 == 2 ? h - 2 : h + 1; }
+  static int previous(int h) { return h % 3 == 0 ? h + 2 : h - 1; }
+  int apex(int h) const { return result_.triangles(h / 3, h % 3); }
+  double length(int h) const { return result_.lengths(h / 3, h % 3); }
+
+  void queue(int h) {
+    if (queued_[h]) return;
+    queued_[h] = 1;
+    stack_.push_back(h);
+  }
+
+  /// The length of the edge that replaces the half-edges h and g, which are one edge; −1 where it stays: it
+  /// is Delaunay, or the triangles make no convex quadrilateral of four vertices.
+  double flipped_length(int h, int g) const {
     // h is opposite apex p in triangle (p, a, b); g opposite q in (q, b, a).
     const double e = length(h), pb = length(next(h)), pa = length(previous(h));
     const double qa = length(next(g)), qb = length(previous(g));
     // next(h) is the edge opposite a, which joins b and p; previous(h) joins p and a.
-    if (cotangent(e, pa, pb) + cotangent(e, qa, qb) > -1e-9) continue;
-    const int p = apex(h), q = apex(g), a = T(h / 3, (h % 3 + 1) % 3), b = T(h / 3, (h % 3 + 2) % 3);
-    if (p == q) continue;
+    if (cotangent(e, pa, pb) + cotangent(e, qa, qb) > -1e-9 || apex(h) == apex(g)) return -1;
     // The new diagonal by laying both triangles out in the plane with a at the origin and b on the x axis.
     const double px = (pa * pa + e * e - pb * pb) / (2 * e), py = 2 * triangle_area(e, pa, pb) / e;
     const double qx = (qa * qa + e * e - qb * qb) / (2 * e), qy = -2 * triangle_area(e, qa, qb) / e;
-    const double diagonal = std::hypot(px - qx, py - qy);
     // Both new triangles (p, a, q) and (q, b, p) must have area on their proper side.
     const double side_a = px * qy - py * qx, side_b = (qx - e) * py - qy * (px - e);
-    if (!(side_a < 0) || !(side_b < 0)) continue;
-    const int pa_twin = twin[previous(h)], pb_twin = twin[next(h)];
-    const int qa_twin = twin[next(g)], qb_twin = twin[previous(g)];
-    const char pa_fixed = frozen[previous(h)], pb_fixed = frozen[next(h)];
-    const char qa_fixed = frozen[next(g)], qb_fixed = frozen[previous(g)];
-    // A double edge p-q would make the triangulation a multigraph, whose triangles cannot name their edges.
-    bool joined = false;
+    return side_a < 0 && side_b < 0 ? std::hypot(px - qx, py - qy) : -1;
+  }
+
+  /// Whether an edge joins the apex of h to vertex q. Turns around the apex both ways, away from its
+  /// triangle.
+  bool are_joined(int h, int q) const {
+    const int p = apex(h);
     for (const int start : {previous(h), next(h)}) {
-      int edge = start;  // turns around p, away from triangle h
-      while (!joined && twin[edge] >= 0) {
-        const int across = twin[edge];
+      int edge = start;
+      while (twin_[edge] >= 0) {
+        const int across = twin_[edge];
         if (across / 3 == h / 3) break;
-        joined = apex(across) == q;
+        if (apex(across) == q) return true;
         int corner = 0;
-        while (T(across / 3, corner) != p) ++corner;
+        while (result_.triangles(across / 3, corner) != p) ++corner;
         edge = across - across % 3 + (3 - corner - across % 3);
         if (edge / 3 == h / 3) break;
       }
     }
-    if (joined) continue;
+    return false;
+  }
+
+  void flip(int h, int g, double diagonal) {
+    const int p = apex(h), q = apex(g), a = apex(next(h)), b = apex(previous(h));
+    const double pb = length(next(h)), pa = length(previous(h));
+    const double qa = length(next(g)), qb = length(previous(g));
+    const int pa_twin = twin_[previous(h)], pb_twin = twin_[next(h)];
+    const int qa_twin = twin_[next(g)], qb_twin = twin_[previous(g)];
+    const char pa_fixed = frozen_[previous(h)], pb_fixed = frozen_[next(h)];
+    const char qa_fixed = frozen_[next(g)], qb_fixed = frozen_[previous(g)];
     const int f0 = h / 3, f1 = g / 3;
     // f0 becomes (p, a, q), f1 becomes (q, b, p).
-    T.row(f0) << p, a, q;
-    T.row(f1) << q, b, p;
-    l.row(f0) << qa, diagonal, pa;
-    l.row(f1) << pb, diagonal, qb;
-    const auto link = [&](int half_edge, int other, char is_fixed) {
-      twin[half_edge] = other;
-      frozen[half_edge] = is_fixed;
-      if (other >= 0) twin[other] = half_edge;
-      if (other >= 0) {
-        const int representative = std::min(half_edge, other);
-        if (!queued[representative]) {
-          queued[representative] = 1;
-          stack.push_back(representative);
-        }
-      }
-    };
+    result_.triangles.row(f0) << p, a, q;
+    result_.triangles.row(f1) << q, b, p;
+    result_.lengths.row(f0) << qa, diagonal, pa;
+    result_.lengths.row(f1) << pb, diagonal, qb;
     link(3 * f0 + 0, qa_twin, qa_fixed);
     link(3 * f0 + 2, pa_twin, pa_fixed);
     link(3 * f1 + 0, pb_twin, pb_fixed);
     link(3 * f1 + 2, qb_twin, qb_fixed);
-    twin[3 * f0 + 1] = 3 * f1 + 1;
-    twin[3 * f1 + 1] = 3 * f0 + 1;
-    frozen[3 * f0 + 1] = frozen[3 * f1 + 1] = 0;
-    ++result.flips;
+    twin_[3 * f0 + 1] = 3 * f1 + 1;
+    twin_[3 * f1 + 1] = 3 * f0 + 1;
+    frozen_[3 * f0 + 1] = frozen_[3 * f1 + 1] = 0;
+    ++result_.flips;
   }
-  return result;
+
+  /// Makes a half-edge that has moved and the one on its other side know each other, and looks at both again.
+  void link(int half_edge, int other, char is_fixed) {
+    twin_[half_edge] = other;
+    frozen_[half_edge] = is_fixed;
+    if (other < 0) return;
+    twin_[other] = half_edge;
+    queue(std::min(half_edge, other));
+  }
+
+  IntrinsicTriangulation result_;
+  std::vector<int> twin_;     // per half-edge that on its other side, or −1
+  std::vector<char> frozen_;  // per half-edge: not to be flipped
+  std::vector<int> stack_;    // half-edges to look at
+  std::vector<char> queued_;  // per half-edge: is on the stack
+};
+
+}  // namespace
+
+IntrinsicTriangulation intrinsic_delaunay(const Triangles& triangles, const EdgeLengths& lengths,
+                                          const std::vector<char>& fixed) {
+  return EdgeFlipper(triangles, lengths, fixed).make_delaunay();
 }
 
 }  // namespace batten
