@@ -125,6 +125,8 @@ TEST_F(Step, RefusesWhatIsNoStepFile) {
                InvalidInput);
   EXPECT_THROW(format_step(BsplineSurface()), InvalidInput);
   const BsplineSurface cube = limit_bsplines(cages::cube());
+  EXPECT_EQ(StepOptions{.millimetres_per_unit = 0}.problem(), "millimetres_per_unit must be > 0, got 0");
+  EXPECT_FALSE(StepOptions().problem());
   EXPECT_THROW(format_step(cube, {.millimetres_per_unit = 0}), InvalidInput);
   EXPECT_THROW(format_step(cube, {.millimetres_per_unit = 1e-6}), InvalidInput) << "edges of 1e-6 mm";
 }

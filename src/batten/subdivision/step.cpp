@@ -262,8 +262,7 @@ bool has_step() {
 void require_step() {}
 
 std::string format_step(const BsplineSurface& surface, const StepOptions& options) {
-  if (!(options.millimetres_per_unit > 0) || !std::isfinite(options.millimetres_per_unit))
-    throw InvalidInput(concat("millimetres_per_unit must be > 0, got ", options.millimetres_per_unit));
+  if (const auto problem = options.problem()) throw InvalidInput(*problem);
   if (surface.patches.empty()) throw InvalidInput("the surface has no patches to write");
   for (const BsplineEdge& edge : surface.edges) {
     double length = 0;

@@ -1,4 +1,5 @@
 #pragma once
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,9 @@ struct StepOptions {
   double millimetres_per_unit = 1000;
   /// The name of the product in the file.
   std::string name = "surface";
+
+  /// The first problem found, naming field and value, or nothing.
+  std::optional<std::string> problem() const;
 };
 
 /// A B-spline surface as the text of a STEP file (ISO 10303-214): one solid per closed component, one shell

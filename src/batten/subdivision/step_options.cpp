@@ -1,0 +1,15 @@
+#include <cmath>
+
+#include "batten/core/text.hpp"
+#include "batten/subdivision/step.hpp"
+
+// Apart from step.cpp, which is left out where Open Cascade is missing.
+namespace batten {
+
+std::optional<std::string> StepOptions::problem() const {
+  if (!(millimetres_per_unit > 0) || !std::isfinite(millimetres_per_unit))
+    return concat("millimetres_per_unit must be > 0, got ", millimetres_per_unit);
+  return std::nullopt;
+}
+
+}  // namespace batten
