@@ -3,10 +3,12 @@
 #include "network/sphere_network.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
+#include "batten/core/error.hpp"
 #include "batten/core/random.hpp"
 
 namespace batten {
@@ -207,6 +209,20 @@ TEST(DiagnoseNetwork, IsInvariantUnderSimilarity) {
       EXPECT_NEAR(found[k].distance, scale * expected[k].distance, 1e-9 * scale);
     }
   }
+}
+
+TEST(DiagnoseNetwork, NamesOptionsOutOfRange) {
+  EXPECT_FALSE(DiagnosisOptions().problem());
+  DiagnosisOptions options;
+  options.meeting_distance = -0.25;
+  EXPECT_EQ(options.problem(), "meeting_distance must be finite and at least 0, got -0.25");
+  EXPECT_THROW(diagnose_network(frame(), options), InvalidInput);
+  options = {};
+  options.near_miss_distance = INFINITY;
+  EXPECT_EQ(options.problem(), "near_miss_distance must be finite and at least 0, got inf");
+  options = {};
+  options.max_normal_tilt = -1;
+  EXPECT_EQ(options.problem(), "max_normal_tilt must be at least 0, got -1");
 }
 
 }  // namespace

@@ -199,5 +199,19 @@ TEST(HermiteNetwork, LeavesOutSamplesAtTheSamePlaceAndNamesSegmentsWithoutLength
   }
 }
 
+TEST(HermiteNetwork, NamesOptionsOutOfRange) {
+  EXPECT_FALSE(HermiteOptions().problem());
+  CurveNetwork network;
+  add_polyline(network, line({0, 0, 0}, {1, 0, 0}, 5));
+  HermiteOptions options;
+  options.corner_angle = 0;
+  EXPECT_EQ(options.problem(), "corner_angle must be above 0, got 0");
+  EXPECT_THROW(hermite_network(network, options), InvalidInput);
+  options = {};
+  options.parameter_rounds = -1;
+  EXPECT_EQ(options.problem(), "parameter_rounds must be at least 0, got -1");
+  EXPECT_THROW(hermite_network(network, options), InvalidInput);
+}
+
 }  // namespace
 }  // namespace batten

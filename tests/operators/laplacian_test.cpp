@@ -2,6 +2,8 @@
 
 #include "operators/sample_meshes.hpp"
 
+#include <cmath>
+
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
@@ -146,6 +148,14 @@ TEST(UniformStiffness, IsTheGraphLaplacianAlsoOnBorders) {
   Eigen::Matrix4d expected;
   expected << 2, -1, -1, 0, -1, 3, -1, -1, -1, -1, 3, -1, 0, -1, -1, 2;
   EXPECT_EQ(Eigen::MatrixXd(uniform_stiffness(two, 4)), Eigen::MatrixXd(expected));
+}
+
+TEST(CotangentStiffness, NamesABoundOutOfRange) {
+  EXPECT_FALSE(CotangentOptions().problem());
+  EXPECT_EQ(CotangentOptions{-2}.problem(), "bound must be finite and above 0, got -2");
+  const Triangles one = (Triangles(1, 3) << 0, 1, 2).finished();
+  for (const double bound : {0.0, -1.0, static_cast<double>(INFINITY), static_cast<double>(NAN)})
+    EXPECT_THROW(cotangent_stiffness(one, sides(1, 1, 1), 3, {bound}), InvalidInput) << bound;
 }
 
 }  // namespace

@@ -24,14 +24,6 @@ namespace {
 
 using Eigen::VectorXd;
 
-void check(const FlowOptions& options) {
-  if (!(options.time_step >= 0) || !std::isfinite(options.time_step))
-    throw InvalidInput(concat("time_step must be finite and at least 0, got ", options.time_step));
-  if (options.steps < 0) throw InvalidInput(concat("steps must be at least 0, got ", options.steps));
-  if (!(options.fidelity >= 0) || !std::isfinite(options.fidelity))
-    throw InvalidInput(concat("fidelity must be finite and at least 0, got ", options.fidelity));
-}
-
 double largest_row(const Points& rows) {
   return rows.rows() > 0 ? rows.rowwise().norm().maxCoeff() : 0;
 }
@@ -75,7 +67,7 @@ struct LinearFlow {
 Points run_steps(const Points& positions, const Triangles& triangles, const FlowOptions& options,
                  FlowReport* report, const Progress& progress,
                  const std::function<double(const Points&, const std::vector<char>&, Points&)>& advance) {
-  check(options);
+  if (const auto problem = options.problem()) throw InvalidInput(*problem);
   const std::vector<char> fixed = fairing_detail::fixed_vertices(positions, triangles, options.keep_boundary);
   FlowReport own;
   FlowReport& told = report != nullptr ? *report : own;
@@ -141,6 +133,32 @@ Points divided(const Points& rows, const VectorXd& by) {
 
 }  // namespace
 
+std::optional<std::string> FlowOptions::problem() const {
+  if (!(time_step >= 0) || !std::isfinite(time_step))
+    return concat("time_step must be finite and at least 0, got ", time_step);
+  if (steps < 0) return concat("steps must be at least 0, got ", steps);
+  if (!(fidelity >= 0) || !std::isfinite(fidelity))
+    return concat("fidelity must be finite and at least 0, got ", fidelity);
+  return std::nullopt;
+}
+
+std::optional<std::string> AnisotropicFlowOptions::problem() const {
+  if (!(threshold >= 0)) return concat("threshold must be at least 0, got ", threshold);
+  return FlowOptions::problem();
+}
+
+std::optional<std::string> NonlocalFlowOptions::problem() const {
+  if (!(similarity > 0)) return concat("similarity must be above 0, got ", similarity);
+  return FlowOptions::problem();
+}
+
+std::optional<std::string> TaubinOptions::problem() const {
+  if (!(lambda > 0 && lambda <= 1)) return concat("lambda must lie in 0 to 1, got ", lambda);
+  if (!(mu < -lambda && mu >= -2)) return concat("mu must lie in −2 to −lambda, got ", mu);
+  if (steps < 0) return concat("steps must be at least 0, got ", steps);
+  return std::nullopt;
+}
+
 double edge_stopping(double curvature, double threshold) {
   const double ratio = curvature / threshold;
   return 1 / (1 + ratio * ratio);
@@ -172,8 +190,7 @@ Points bilaplacian_flow(const Points& positions, const Triangles& triangles, con
 
 Points anisotropic_flow(const Points& positions, const Triangles& triangles,
                         const AnisotropicFlowOptions& options, FlowReport* report, const Progress& progress) {
-  if (!(options.threshold >= 0))
-    throw InvalidInput(concat("threshold must be at least 0, got ", options.threshold));
+  if (const auto problem = options.problem()) throw InvalidInput(*problem);
   const double edge = mean_edge_length(positions, triangles);
   const double threshold = options.threshold > 0 ? options.threshold : 1 / std::max(edge, 1e-300);
   return run_flow(positions, triangles, options, report, progress, [&](const Points& X) {
@@ -194,8 +211,7 @@ Points anisotropic_flow(const Points& positions, const Triangles& triangles,
 Points anisotropic_tensor_flow(const Points& positions, const Triangles& triangles,
                                const AnisotropicFlowOptions& options, FlowReport* report,
                                const Progress& progress) {
-  if (!(options.threshold >= 0))
-    throw InvalidInput(concat("threshold must be at least 0, got ", options.threshold));
+  if (const auto problem = options.problem()) throw InvalidInput(*problem);
   const double edge = mean_edge_length(positions, triangles);
   const double threshold = options.threshold > 0 ? options.threshold : 1 / std::max(edge, 1e-300);
   return run_flow(positions, triangles, options, report, progress, [&](const Points& X) {
@@ -267,8 +283,7 @@ Points elastica_flow(const Points& positions, const Triangles& triangles, const 
 
 Points nonlocal_flow(const Points& positions, const Triangles& triangles, const NonlocalFlowOptions& options,
                      FlowReport* report, const Progress& progress) {
-  if (!(options.similarity > 0))
-    throw InvalidInput(concat("similarity must be above 0, got ", options.similarity));
+  if (const auto problem = options.problem()) throw InvalidInput(*problem);
   return run_flow(positions, triangles, options, report, progress, [&](const Points& X) {
     const SparseMatrix K = fairing_detail::bounded_stiffness(X, triangles);
     LinearFlow flow;
@@ -284,11 +299,7 @@ Points nonlocal_flow(const Points& positions, const Triangles& triangles, const 
 
 Points taubin_smoothing(const Points& positions, const Triangles& triangles, const TaubinOptions& options,
                         const Progress& progress) {
-  if (!(options.lambda > 0 && options.lambda <= 1))
-    throw InvalidInput(concat("lambda must lie in 0 to 1, got ", options.lambda));
-  if (!(options.mu < -options.lambda && options.mu >= -2))
-    throw InvalidInput(concat("mu must lie in −2 to −lambda, got ", options.mu));
-  if (options.steps < 0) throw InvalidInput(concat("steps must be at least 0, got ", options.steps));
+  if (const auto problem = options.problem()) throw InvalidInput(*problem);
   const std::vector<char> fixed = fairing_detail::fixed_vertices(positions, triangles, options.keep_boundary);
   const fairing_detail::IndexLists neighbours =
       fairing_detail::vertex_neighbours(triangles, positions.rows());

@@ -1,4 +1,7 @@
 #pragma once
+#include <optional>
+#include <string>
+
 #include <Eigen/Core>
 
 #include "batten/core/arrays.hpp"
@@ -19,6 +22,9 @@ struct FlowOptions {
   double fidelity = 0;
   /// Keep border vertices in place (Dirichlet constraints, H section 1.3).
   bool keep_boundary = false;
+
+  /// The first problem found, naming field and value, or nothing.
+  std::optional<std::string> problem() const;
 };
 
 /// What a flow did.
@@ -47,6 +53,9 @@ double edge_stopping(double curvature, double threshold);
 struct AnisotropicFlowOptions : FlowOptions {
   /// ν in 1/length: curvatures well above it are kept; 0 takes 1/ē.
   double threshold = 0;
+
+  /// The first problem found, naming field and value, or nothing.
+  std::optional<std::string> problem() const;
 };
 
 /// Anisotropic mean curvature flow with the scalar diffusivity of the mean curvature, ∂X/∂t = f(|H|) ΔX.
@@ -71,6 +80,9 @@ Points elastica_flow(const Points& positions, const Triangles& triangles, const 
 struct NonlocalFlowOptions : FlowOptions {
   /// σ of the similarity exp(−|H_i − H_j|²/σ), H scaled to a maximum of 1 (2.30). Smaller keeps more.
   double similarity = 0.5;
+
+  /// The first problem found, naming field and value, or nothing.
+  std::optional<std::string> problem() const;
 };
 
 /// The nonlocal position flow ∂X/∂t = L_w X + λ(X0 − X) (2.22–2.28): cotangent weights times the similarity
@@ -85,6 +97,9 @@ struct TaubinOptions {
   double mu = -0.53;    ///< of the growing half, below −lambda
   int steps = 10;
   bool keep_boundary = false;
+
+  /// The first problem found, naming field and value, or nothing.
+  std::optional<std::string> problem() const;
 };
 
 /// Taubin's λ|μ smoothing [taubin1995] with the umbrella: a low-pass filter that hardly shrinks. The filter

@@ -21,12 +21,6 @@ using Eigen::RowVector3d;
 using Eigen::VectorXd;
 using fairing_detail::IndexLists;
 
-void check(const NormalFilterOptions& options) {
-  if (!(options.range > 0)) throw InvalidInput(concat("range must be above 0, got ", options.range));
-  if (options.iterations < 0 || options.vertex_iterations < 0)
-    throw InvalidInput("the numbers of iterations must be at least 0");
-}
-
 /// One pass: normals averaged with weights from distance and from the difference of the guide.
 Points filtered(const Points& normals, const Points& guide, const Points& centroids, const VectorXd& areas,
                 const IndexLists& neighbours, double spatial, double range) {
@@ -99,7 +93,7 @@ class PatchGuide {
 
 Points filter_loop(const Points& positions, const Triangles& triangles, const NormalFilterOptions& options,
                    bool guided, const Progress& progress) {
-  check(options);
+  if (const auto problem = options.problem()) throw InvalidInput(*problem);
   fairing_detail::fixed_vertices(positions, triangles, false);
   const std::vector<int> opposite = opposite_half_edges(triangles);
   const IndexLists around = fairing_detail::triangles_of_vertices(triangles, positions.rows());
@@ -121,6 +115,13 @@ Points filter_loop(const Points& positions, const Triangles& triangles, const No
 }
 
 }  // namespace
+
+std::optional<std::string> NormalFilterOptions::problem() const {
+  if (!(range > 0)) return concat("range must be above 0, got ", range);
+  if (iterations < 0) return concat("iterations must be at least 0, got ", iterations);
+  if (vertex_iterations < 0) return concat("vertex_iterations must be at least 0, got ", vertex_iterations);
+  return std::nullopt;
+}
 
 Points bilateral_normals(const Points& positions, const Triangles& triangles,
                          const NormalFilterOptions& options, const Progress& progress) {

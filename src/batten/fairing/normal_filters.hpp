@@ -1,4 +1,7 @@
 #pragma once
+#include <optional>
+#include <string>
+
 #include "batten/core/arrays.hpp"
 #include "batten/core/progress.hpp"
 
@@ -12,6 +15,9 @@ struct NormalFilterOptions {
   int iterations = 20;         ///< of the filter
   int vertex_iterations = 10;  ///< of the vertex update
   bool keep_boundary = false;
+
+  /// The first problem found, naming field and value, or nothing.
+  std::optional<std::string> problem() const;
 };
 
 /// Bilateral filter of the normals of triangles over their neighbours ([zheng2011], local form).

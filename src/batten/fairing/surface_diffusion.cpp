@@ -41,15 +41,18 @@ SparseMatrix similar_stiffness(const SparseMatrix& K, const Eigen::MatrixXd& H, 
 
 }  // namespace fairing_detail
 
+std::optional<std::string> SurfaceDiffusionOptions::problem() const {
+  if (!(similarity > 0)) return concat("similarity must be above 0, got ", similarity);
+  if (!(fidelity > 0)) return concat("fidelity must be above 0, got ", fidelity);
+  if (!(time_step >= 0)) return concat("time_step must be at least 0, got ", time_step);
+  if (steps < 0) return concat("steps must be at least 0, got ", steps);
+  return std::nullopt;
+}
+
 Points surface_diffusion(const Points& positions, const Triangles& triangles,
                          const SurfaceDiffusionOptions& options, SurfaceDiffusionReport* report,
                          const Progress& progress) {
-  if (!(options.similarity > 0))
-    throw InvalidInput(concat("similarity must be above 0, got ", options.similarity));
-  if (!(options.fidelity > 0)) throw InvalidInput(concat("fidelity must be above 0, got ", options.fidelity));
-  if (!(options.time_step >= 0))
-    throw InvalidInput(concat("time_step must be at least 0, got ", options.time_step));
-  if (options.steps < 0) throw InvalidInput(concat("steps must be at least 0, got ", options.steps));
+  if (const auto problem = options.problem()) throw InvalidInput(*problem);
   const std::vector<char> fixed = fairing_detail::fixed_vertices(positions, triangles, options.keep_boundary);
   SurfaceDiffusionReport own;
   SurfaceDiffusionReport& told = report != nullptr ? *report : own;

@@ -1,4 +1,7 @@
 #pragma once
+#include <optional>
+#include <string>
+
 #include "batten/core/arrays.hpp"
 #include "batten/core/progress.hpp"
 
@@ -17,6 +20,9 @@ struct SurfaceDiffusionOptions {
   double time_step = 0;   ///< τ, no unit (rows of L are normalised); 0 takes e / max‖LX‖ (1.45)
   double fidelity = 0.5;  ///< λ of step 2, no unit
   bool keep_boundary = false;
+
+  /// The first problem found, naming field and value, or nothing.
+  std::optional<std::string> problem() const;
 };
 
 /// What it did.

@@ -68,6 +68,13 @@ class Chambolle {
 
 }  // namespace
 
+std::optional<std::string> TotalVariationOptions::problem() const {
+  if (!(fit_weight > 0) || !std::isfinite(fit_weight))
+    return concat("fit_weight must be finite and above 0, got ", fit_weight);
+  if (iterations < 1) return concat("iterations must be at least 1, got ", iterations);
+  return std::nullopt;
+}
+
 double total_variation(const Points& positions, const Triangles& triangles, const Eigen::MatrixXd& field) {
   return face_areas(positions, triangles).dot(block_norms(face_gradient(positions, triangles) * field));
 }
@@ -75,10 +82,7 @@ double total_variation(const Points& positions, const Triangles& triangles, cons
 Eigen::MatrixXd denoise_total_variation(const Points& positions, const Triangles& triangles,
                                         const Eigen::MatrixXd& field, const TotalVariationOptions& options,
                                         TotalVariationReport* report, const Progress& progress) {
-  if (!(options.fit_weight > 0) || !std::isfinite(options.fit_weight))
-    throw InvalidInput(concat("fit_weight must be finite and above 0, got ", options.fit_weight));
-  if (options.iterations < 1)
-    throw InvalidInput(concat("iterations must be at least 1, got ", options.iterations));
+  if (const auto problem = options.problem()) throw InvalidInput(*problem);
   if (field.rows() != positions.rows() || !field.allFinite())
     throw InvalidInput(concat("the field must hold a finite value for each of the ", positions.rows(),
                               " vertices, got ", field.rows(), " rows"));

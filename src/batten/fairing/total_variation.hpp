@@ -1,4 +1,7 @@
 #pragma once
+#include <optional>
+#include <string>
+
 #include <Eigen/Core>
 
 #include "batten/core/arrays.hpp"
@@ -18,6 +21,9 @@ struct TotalVariationOptions {
   double fit_weight = 1;
   TotalVariationFit fit = TotalVariationFit::L2;
   int iterations = 200;  ///< of the dual iteration, at least 1
+
+  /// The first problem found, naming field and value, or nothing.
+  std::optional<std::string> problem() const;
 };
 
 /// What was reached.

@@ -350,7 +350,18 @@ int count_findings(const std::vector<NetworkFinding>& findings, NetworkDefect de
                                         [&](const NetworkFinding& f) { return f.defect == defect; }));
 }
 
+std::optional<std::string> DiagnosisOptions::problem() const {
+  const auto is_length = [](double value) { return value >= 0 && std::isfinite(value); };
+  if (!is_length(meeting_distance))
+    return concat("meeting_distance must be finite and at least 0, got ", meeting_distance);
+  if (!is_length(near_miss_distance))
+    return concat("near_miss_distance must be finite and at least 0, got ", near_miss_distance);
+  if (!(max_normal_tilt >= 0)) return concat("max_normal_tilt must be at least 0, got ", max_normal_tilt);
+  return std::nullopt;
+}
+
 std::vector<NetworkFinding> diagnose_network(const CurveNetwork& network, const DiagnosisOptions& options) {
+  if (const auto problem = options.problem()) throw InvalidInput(*problem);
   return Diagnosis(network, options).run();
 }
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -53,12 +54,15 @@ struct DiagnosisOptions {
   double near_miss_distance = 0.03;
   /// A normal may be this far from perpendicular to its curve, in radians; scans come within 0.2.
   double max_normal_tilt = 0.35;
+
+  /// The first problem found, naming field and value, or nothing.
+  std::optional<std::string> problem() const;
 };
 
 /// Looks for everything that keeps a network from being surfaced, and says it in words. Findings are sorted
 /// by kind, then by curve; a sound network gives none. Time grows in proportion to the samples and the
 /// findings.
-/// @throws InvalidInput as network_topology().
+/// @throws InvalidInput as network_topology(), or when an option is out of range.
 std::vector<NetworkFinding> diagnose_network(const CurveNetwork& network,
                                              const DiagnosisOptions& options = {});
 

@@ -342,7 +342,14 @@ double HermiteSegment::length() const {
   return sum;
 }
 
+std::optional<std::string> HermiteOptions::problem() const {
+  if (!(corner_angle > 0)) return concat("corner_angle must be above 0, got ", corner_angle);
+  if (parameter_rounds < 0) return concat("parameter_rounds must be at least 0, got ", parameter_rounds);
+  return std::nullopt;
+}
+
 HermiteNetwork hermite_network(const CurveNetwork& network, const HermiteOptions& options) {
+  if (const auto problem = options.problem()) throw InvalidInput(*problem);
   network_topology(network);  // checks the indices before they are used
   const double diameter = bounding_box_diagonal(network.positions);
   const NetworkTopology topology = network_topology(with_corners(network, options.corner_angle));
@@ -351,7 +358,7 @@ HermiteNetwork hermite_network(const CurveNetwork& network, const HermiteOptions
     result.segments.push_back(prepared(network, segment, diameter));
   const NodeUnknowns unknowns = node_unknowns(network, topology, result.segments, options);
   SparseCholesky solver("Hermite network");
-  for (int round = 0; round <= std::max(0, options.parameter_rounds); ++round) {
+  for (int round = 0; round <= options.parameter_rounds; ++round) {
     set_tangents(result.segments, unknowns, solver);
     result.energy = 0;
     for (const HermiteSegment& segment : result.segments) result.energy += bending_energy(segment);

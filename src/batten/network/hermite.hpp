@@ -1,4 +1,6 @@
 #pragma once
+#include <optional>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -32,6 +34,9 @@ struct HermiteOptions {
   /// Rounds in which the parameter of every piece is set to its length: the first guess, chord lengths,
   /// bulges where samples are uneven (docs/errata.md#s-c-9).
   int parameter_rounds = 3;
+
+  /// The first problem found, naming field and value, or nothing.
+  std::optional<std::string> problem() const;
 };
 
 /// The cubic spline of one segment: C² inside, parametrised nearly by arc length.
@@ -66,8 +71,8 @@ struct HermiteNetwork {
 /// docs/errata.md#s-c: the pieces are parametrised by arc length, ends are numbered by segment so that loops
 /// and parallel segments are right, the tridiagonal systems are solved by ratios and do not overflow, curves
 /// that pass through a T stay straight. Without normals the tangents are not confined.
-/// @throws InvalidInput as network_topology(), or when a segment has no length or a normal vanishes, naming
-/// curve and vertex.
+/// @throws InvalidInput as network_topology(), when an option is out of range, or when a segment has no
+/// length or a normal vanishes, naming curve and vertex.
 HermiteNetwork hermite_network(const CurveNetwork& network, const HermiteOptions& options = {});
 
 }  // namespace batten

@@ -103,8 +103,14 @@ SparseMatrix graph_matrix(const Triangles& triangles, Eigen::Index n, const Weig
 
 }  // namespace
 
+std::optional<std::string> CotangentOptions::problem() const {
+  if (!(bound > 0) || !std::isfinite(bound)) return concat("bound must be finite and above 0, got ", bound);
+  return std::nullopt;
+}
+
 SparseMatrix cotangent_stiffness(const Triangles& triangles, const EdgeLengths& lengths,
                                  Eigen::Index n_vertices, const CotangentOptions& options) {
+  if (const auto problem = options.problem()) throw InvalidInput(*problem);
   Points cotangents(triangles.rows(), 3);
   for (Eigen::Index f = 0; f < triangles.rows(); ++f) {
     const double a = lengths(f, 0), b = lengths(f, 1), c = lengths(f, 2);

@@ -1,4 +1,6 @@
 #pragma once
+#include <optional>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -16,10 +18,13 @@ namespace batten {
 struct CotangentOptions {
   /// Cotangents are held within ± this bound, so that needles keep finite weights; 1e3 is an angle of 0.06°.
   double bound = 1e3;
+
+  /// The first problem found, naming field and value, or nothing.
+  std::optional<std::string> problem() const;
 };
 
 /// Cotangent stiffness, n × n, integrated (not divided by areas): K_ij = −(cot α + cot β)/2. S (2.36), H
-/// (1.18).
+/// (1.18). @throws InvalidInput when an option is out of range.
 SparseMatrix cotangent_stiffness(const Triangles& triangles, const EdgeLengths& lengths,
                                  Eigen::Index n_vertices, const CotangentOptions& options = {});
 SparseMatrix cotangent_stiffness(const Points& positions, const Triangles& triangles);
