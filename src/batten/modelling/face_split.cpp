@@ -8,10 +8,11 @@
 
 #include "batten/core/index.hpp"
 #include "batten/core/units.hpp"
-#include "batten/linalg/sparse_cholesky.hpp"
 #include "batten/mesh/predicates.hpp"
 #include "batten/modelling/face_parts_detail.hpp"
 #include "batten/modelling/face_split_detail.hpp"
+#include "batten/modelling/face_splitter_detail.hpp"
+#include "batten/modelling/plane_detail.hpp"
 
 namespace batten::detail {
 
@@ -21,22 +22,8 @@ using Eigen::Index;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-/// Corners that turn in by less than this are left alone: hands do not draw straight angles.
-constexpr double kReflexFrom = 1.15 * kPi;
-/// What is left of a concave corner may be cut again while it is wider than this: three right angles make it
-/// regular.
-constexpr double kWideFrom = 0.8 * kPi;
-
 /// A projection that shortens a piece of the boundary to less than this is no picture of the face.
 constexpr double kLeastLength = 0.6;
-
-/// A vertex so near to the wanted direction of a cut will do.
-constexpr double kNearCut = 0.14 * kPi;
-constexpr double kWhole = std::numeric_limits<double>::infinity();
-
-double cross(const Vector2d& a, const Vector2d& b) {
-  return a.x() * b.y() - a.y() * b.x();
-}
 
 /// The corners of a closed polygon are its rows.
 bool is_simple(const PlanePoints& polygon) {
@@ -65,7 +52,8 @@ bool is_simple(const PlanePoints& polygon) {
 
 double area_of(const PlanePoints& polygon) {
   double twice = 0;
-  for (Index i = 0, n = polygon.rows(); i < n; ++i) twice += cross(polygon.row(i), polygon.row((i + 1) % n));
+  for (Index i = 0, n = polygon.rows(); i < n; ++i)
+    twice += cross_in_plane(polygon.row(i), polygon.row((i + 1) % n));
   return twice / 2;
 }
 
@@ -101,373 +89,6 @@ PlanePoints cyclic_polygon(const Points& loop, int n_sides) {
   }
   return polygon;
 }
-
-/// A face while it is divided.
-class Splitter {
- public:
-  /// @param m segments of each side.
-  /// @param reach over how many of them angles at corners are taken: a side that turns in beside a corner
-  /// makes it concave, although it goes on smoothly there.
-  Splitter(int n_sides, int m, PlanePoints boundary, int reach = 1)
-      : n_sides_(n_sides), m_(m), reach_(reach), boundary_(std::move(boundary)) {}
-
-  /// @param widest angle that a concave corner may keep; infinite: the face stays whole.
-  FaceSplit run(double widest) {
-    begin();
-    widest_ = widest;
-    divide_piece(whole_face());
-    return result();
-  }
-
-  /// Into how many parts the sides should be divided so that cuts from concave corners find a vertex where
-  /// the sides there, drawn on, would end: three right angles are then left. Nothing is asked for where a cut
-  /// to a vertex that is there does.
-  std::vector<int> parts_at_concave_corners() {
-    begin();
-    const std::vector<Chain> whole = whole_face();
-    const size_t n = whole.size();
-    std::vector<std::vector<double>> feet(n);  // per side: along it, 0 to 1
-    for (size_t c = 0; c < n; ++c) {
-      if (!concave_[c] || n < 4) continue;
-      const Vector2d here = p(whole[c][0]), next = p(whole[c][1]) - here;
-      const double angle = angle_at(whole, c);
-      const auto turned = [&](double by) -> Vector2d { return Eigen::Rotation2Dd(by) * next.normalized(); };
-      std::vector<double> cuts;  // that are there, as angles from the next side
-      for (size_t k = 0; k < n; ++k)
-        if (k != c && (k + 1) % n != c && (c + 1) % n != k && is_inside(whole, c, k))
-          cuts.push_back(angle_between(next, p(whole[k][0]) - here));
-      const auto has = [&](double low, double high) {
-        return std::any_of(cuts.begin(), cuts.end(), [&](double cut) { return cut > low && cut < high; });
-      };
-      if (has(angle - kWideFrom, kWideFrom)) continue;
-      for (const double wanted : {angle - kPi, kPi}) {
-        if (has(wanted - kNearCut, wanted + kNearCut)) continue;
-        if (const auto [side, along] = first_hit(here, turned(wanted)); side >= 0)
-          feet[at(side)].push_back(along);
-      }
-    }
-    std::vector<int> parts(n, 1);
-    for (size_t k = 0; k < n; ++k)
-      if (!feet[k].empty()) parts[k] = parts_through(feet[k]);
-    return parts;
-  }
-
-  /// A quadrilateral as rows and columns of quads. @param corners its corners, numbers of sides; as many
-  /// sides lie between the first two as between the last.
-  FaceSplit run_grid(const std::vector<size_t>& corners) {
-    begin();
-    fill_grid(corners);
-    FaceSplit split = result();
-    split.is_grid = true;
-    return split;
-  }
-
-  bool is_valid() const { return !folded(0); }
-
-  /// How near the triangles come to equilateral ones: the mean of their quality by area, 0 to 1.
-  double shape() const {
-    double sum = 0, area = 0;
-    for (const std::array<int, 4>& quad : quads_)
-      for (const std::array<int, 3>& t : cut_along_corners(quad)) {
-        const Vector2d a = p(t[1]) - p(t[0]), b = p(t[2]) - p(t[1]), c = p(t[0]) - p(t[2]);
-        const double own = cross(a, b) / 2;
-        sum += own * 4 * std::sqrt(3.0) * own / (a.squaredNorm() + b.squaredNorm() + c.squaredNorm());
-        area += own;
-      }
-    return sum / area;
-  }
-
- private:
-  /// The vertices of one side of a piece, from corner to corner.
-  using Chain = std::vector<int>;
-
-  void begin() {
-    positions_.clear();
-    for (Index i = 0; i < boundary_.rows(); ++i) positions_.push_back(boundary_.row(i));
-    quads_.clear();
-    cuts_.clear();
-    n_pieces_ = 0;
-  }
-
-  std::vector<Chain> whole_face() {
-    std::vector<Chain> whole;
-    for (int k = 0; k < n_sides_; ++k) {
-      Chain chain;
-      for (int i = 0; i <= m_; ++i) chain.push_back((k * m_ + i) % static_cast<int>(boundary_.rows()));
-      whole.push_back(std::move(chain));
-    }
-    concave_.assign(whole.size(), 0);
-    for (size_t k = 0; k < whole.size(); ++k) concave_[k] = angle_at(whole, k) > kReflexFrom;
-    return whole;
-  }
-
-  /// Where a ray from a corner first meets the boundary again: the side and how far along it, or −1.
-  std::pair<int, double> first_hit(const Vector2d& from, const Vector2d& direction) const {
-    std::pair<int, double> hit(-1, 0);
-    double nearest = std::numeric_limits<double>::infinity();
-    const Index n = boundary_.rows();
-    for (Index i = 0; i < n; ++i) {
-      const Vector2d a = boundary_.row(i), b = boundary_.row((i + 1) % n);
-      const double det = cross(direction, b - a);
-      if (std::abs(det) <= 1e-12 * (b - a).norm()) continue;
-      const double distance = cross(a - from, b - a) / det, share = cross(a - from, direction) / det;
-      if (share < 0 || share > 1 || distance < 1e-6 * (b - a).norm() || distance >= nearest) continue;
-      nearest = distance;
-      hit = {static_cast<int>(i) / m_, (static_cast<double>(i % m_) + share) / m_};
-    }
-    return hit;
-  }
-
-  /// The fewest equal parts, up to four, that have an end near every foot.
-  static int parts_through(std::vector<double> feet) {
-    std::sort(feet.begin(), feet.end());
-    feet.erase(std::unique(feet.begin(), feet.end(), [](double a, double b) { return b - a < 0.1; }),
-               feet.end());
-    const int fewest = std::min(static_cast<int>(feet.size()) + 1, 4);
-    int best = fewest;
-    double least = 1;
-    for (int parts = fewest; parts <= 4; ++parts) {
-      double worst = 0;
-      for (const double foot : feet)
-        worst =
-            std::max(worst, std::abs(foot - std::clamp(std::round(foot * parts), 1.0, parts - 1.0) / parts));
-      if (worst < 0.6 * least) least = worst, best = parts;
-    }
-    return best;
-  }
-
-  FaceSplit result() const {
-    FaceSplit split;
-    split.domain.resize(static_cast<Index>(positions_.size()), 2);
-    for (size_t v = 0; v < positions_.size(); ++v)
-      split.domain.row(static_cast<Index>(v)) = positions_[v].transpose();
-    split.n_boundary = static_cast<int>(boundary_.rows());
-    split.quads = quads_;
-    split.n_pieces = n_pieces_;
-    split.cuts = cuts_;
-    return split;
-  }
-
-  int add(const Vector2d& position) {
-    positions_.push_back(position);
-    return static_cast<int>(positions_.size()) - 1;
-  }
-
-  const Vector2d& p(int v) const { return positions_[at(v)]; }
-
-  /// A vertex is a concave corner of the face.
-  bool is_concave(int v) const { return v < n_sides_ * m_ && v % m_ == 0 && concave_[at(v / m_)]; }
-
-  /// The inner angle at corner k of a piece, 0 to 2π.
-  double angle_at(const std::vector<Chain>& piece, size_t k) const {
-    const Chain& next = piece[k];
-    const Chain& last = piece[(k + piece.size() - 1) % piece.size()];
-    const auto reach = static_cast<size_t>(reach_);
-    return angle_between(p(next[reach]) - p(next[0]), p(last[last.size() - 1 - reach]) - p(next[0]));
-  }
-
-  /// From a counter-clockwise to b, 0 to 2π.
-  static double angle_between(const Vector2d& a, const Vector2d& b) {
-    const double angle = std::atan2(cross(a, b), a.dot(b));
-    return angle < 0 ? angle + 2 * kPi : angle;
-  }
-
-  /// The straight line between two corners runs inside the piece.
-  bool is_inside(const std::vector<Chain>& piece, size_t a, size_t b) const {
-    const Vector2d from = p(piece[a][0]), to = p(piece[b][0]);
-    const Chain& last = piece[(a + piece.size() - 1) % piece.size()];
-    const double start = angle_between(p(piece[a][1]) - from, to - from),
-                 whole = angle_between(p(piece[a][1]) - from, p(last[last.size() - 2]) - from);
-    if (!(start > 0.1) || !(start < whole - 0.1)) return false;
-    for (const Chain& chain : piece)
-      for (size_t i = 0; i + 1 < chain.size(); ++i) {
-        const int v = chain[i], w = chain[i + 1];
-        if (v == piece[a][0] || v == piece[b][0] || w == piece[a][0] || w == piece[b][0]) continue;
-        // On the line itself lie sides that end where it begins: they only meet it if they overlap it.
-        const int side_v = orient2d(from, to, p(v)), side_w = orient2d(from, to, p(w));
-        if (side_v == 0 && side_w == 0) {
-          const auto along = [&](int end) { return (p(end) - from).dot(to - from); };
-          if (std::max(along(v), along(w)) > 0 && std::min(along(v), along(w)) < (to - from).squaredNorm())
-            return false;
-        } else if (side_v * side_w <= 0 && orient2d(p(v), p(w), from) * orient2d(p(v), p(w), to) <= 0) {
-          return false;
-        }
-      }
-    return true;
-  }
-
-  /// Cuts a piece at its most concave corner, again and again, where a straight line within it helps.
-  void divide_piece(std::vector<Chain> piece) {
-    const size_t n = piece.size();
-    double worst = 0;
-    size_t reflex = n;
-    for (size_t k = 0; std::isfinite(widest_) && n > 3 && k < n; ++k) {
-      const double angle = angle_at(piece, k), from = is_concave(piece[k][0]) ? widest_ : kReflexFrom;
-      if (angle > std::max(from, worst) + 1e-6) worst = angle, reflex = k;
-    }
-    size_t to = n;
-    double best = std::numeric_limits<double>::infinity();
-    for (size_t k = 0; reflex < n && k < n; ++k) {
-      if (k == reflex || (k + 1) % n == reflex || (reflex + 1) % n == k) continue;
-      if (!is_inside(piece, reflex, k)) continue;
-      // The line should halve the concave corner, leave no concave corners at its other end, and be short.
-      const Vector2d line = p(piece[k][0]) - p(piece[reflex][0]);
-      const double first = angle_between(p(piece[reflex][1]) - p(piece[reflex][0]), line),
-                   rest = worst - first;
-      const double other = angle_at(piece, k), before = angle_between(p(piece[k][1]) - p(piece[k][0]), -line),
-                   after = other - before;
-      const auto excess = [](double angle) { return std::max(0.0, angle - 1.02 * kPi); };
-      const auto lack = [](double angle) { return std::max(0.0, kPi / 4 - angle); };
-      double concave = 0;
-      for (const double angle : {first, rest, before, after}) concave += excess(angle) + 0.5 * lack(angle);
-      const double cost = line.norm() * (1 + 4 * concave);
-      if (cost < best * (1 - 1e-6)) best = cost, to = k;
-    }
-    if (to == n) {
-      fill_piece(piece);
-      return;
-    }
-    Chain line{piece[reflex][0]};
-    for (int i = 1; i < m_; ++i) {
-      const double t = static_cast<double>(i) / m_;
-      line.push_back(add((1 - t) * p(piece[reflex][0]) + t * p(piece[to][0])));
-    }
-    line.push_back(piece[to][0]);
-    const bool both_concave = is_concave(piece[to][0]);
-    Chain back(line.rbegin(), line.rend());
-    cuts_.push_back({line[0], line[1]});
-    if (both_concave) cuts_.push_back({back[0], back[1]});
-    std::vector<Chain> first{line}, second{back};
-    for (size_t k = to; k != reflex; k = (k + 1) % n) first.push_back(piece[k]);
-    for (size_t k = reflex; k != to; k = (k + 1) % n) second.push_back(piece[k]);
-    divide_piece(std::move(first));
-    divide_piece(std::move(second));
-  }
-
-  /// The split of Catmull–Clark: n grids around the centroid, their inner vertices bilinearly blended from
-  /// their sides (H 6.1.2).
-  void fill_piece(const std::vector<Chain>& piece) {
-    const size_t n = piece.size();
-    const int half = m_ / 2, first_inner = static_cast<int>(positions_.size());
-    const size_t first_quad = quads_.size();
-    Vector2d sum = Vector2d::Zero();
-    double length = 0;
-    for (const Chain& chain : piece)
-      for (size_t i = 0; i + 1 < chain.size(); ++i) {
-        const double step = (p(chain[i + 1]) - p(chain[i])).norm();
-        sum += step * (p(chain[i]) + p(chain[i + 1])) / 2;
-        length += step;
-      }
-    const int centre = add(sum / length);
-    std::vector<Chain> spokes(n);  // from the middle of each side to the centroid
-    for (size_t k = 0; k < n; ++k) {
-      const int middle = piece[k][at(half)];
-      spokes[k].push_back(middle);
-      for (int i = 1; i < half; ++i) {
-        const double t = static_cast<double>(i) / half;
-        spokes[k].push_back(add((1 - t) * p(middle) + t * p(centre)));
-      }
-      spokes[k].push_back(centre);
-    }
-    for (size_t k = 0; k < n; ++k) {  // the quad at the start of side k
-      const size_t before = (k + n - 1) % n;
-      Eigen::MatrixXi grid(half + 1, half + 1);  // i along side k, j along the side before, backwards
-      for (int i = 0; i <= half; ++i) {
-        grid(i, 0) = piece[k][at(i)];
-        grid(0, i) = piece[before][piece[before].size() - 1 - at(i)];
-        grid(half, i) = spokes[k][at(i)];
-        grid(i, half) = spokes[before][at(i)];
-      }
-      const auto q = [&](int i, int j) -> const Vector2d& { return p(grid(i, j)); };
-      for (int j = 1; j < half; ++j)
-        for (int i = 1; i < half; ++i) {
-          const double u = static_cast<double>(i) / half, v = static_cast<double>(j) / half;
-          const Vector2d position = (1 - v) * q(i, 0) + v * q(i, half) + (1 - u) * q(0, j) + u * q(half, j) -
-                                    (1 - u) * (1 - v) * q(0, 0) - u * (1 - v) * q(half, 0) -
-                                    (1 - u) * v * q(0, half) - u * v * q(half, half);
-          grid(i, j) = add(position);
-        }
-      for (int j = 0; j < half; ++j)
-        for (int i = 0; i < half; ++i)
-          quads_.push_back({grid(i, j), grid(i + 1, j), grid(i + 1, j + 1), grid(i, j + 1)});
-    }
-    ++n_pieces_;
-    if (folded(first_quad)) relax(first_quad, first_inner);
-  }
-
-  void fill_grid(const std::vector<size_t>& corners) {
-    const int n = static_cast<int>(boundary_.rows()), first_inner = n;
-    const auto vertex = [&](size_t corner) { return static_cast<int>(corners[corner]) * m_; };
-    const int columns = vertex(1) - vertex(0), rows = vertex(2) - vertex(1);
-    Eigen::MatrixXi grid(columns + 1, rows + 1);
-    for (int i = 0; i <= columns; ++i) {
-      grid(i, 0) = vertex(0) + i;
-      grid(i, rows) = vertex(3) - i;
-    }
-    for (int j = 0; j <= rows; ++j) {
-      grid(columns, j) = vertex(1) + j;
-      grid(0, j) = (vertex(3) + rows - j) % n;
-    }
-    const auto q = [&](int i, int j) -> const Vector2d& { return p(grid(i, j)); };
-    for (int j = 1; j < rows; ++j)
-      for (int i = 1; i < columns; ++i) {
-        const double u = static_cast<double>(i) / columns, v = static_cast<double>(j) / rows;
-        grid(i, j) = add((1 - v) * q(i, 0) + v * q(i, rows) + (1 - u) * q(0, j) + u * q(columns, j) -
-                         (1 - u) * (1 - v) * q(0, 0) - u * (1 - v) * q(columns, 0) -
-                         (1 - u) * v * q(0, rows) - u * v * q(columns, rows));
-      }
-    for (int j = 0; j < rows; ++j)
-      for (int i = 0; i < columns; ++i) {
-        std::array<int, 4> quad{grid(i, j), grid(i + 1, j), grid(i + 1, j + 1), grid(i, j + 1)};
-        const bool right = i % m_ >= m_ / 2, upper = j % m_ >= m_ / 2;
-        std::rotate(quad.begin(), quad.begin() + (right ? (upper ? 2 : 1) : (upper ? 3 : 0)), quad.end());
-        quads_.push_back(quad);
-      }
-    n_pieces_ = 1;
-    if (folded(0)) relax(0, first_inner);
-  }
-
-  bool folded(size_t from) const {
-    for (size_t q = from; q < quads_.size(); ++q)
-      for (const std::array<int, 3>& t : cut_along_corners(quads_[q]))
-        if (orient2d(p(t[0]), p(t[1]), p(t[2])) <= 0) return true;
-    return false;
-  }
-
-  /// Puts every inner vertex of a piece into the mean of its neighbours [tutte1963].
-  void relax(size_t first_quad, int first_inner) {
-    const int n = static_cast<int>(positions_.size()) - first_inner;
-    std::vector<Eigen::Triplet<double>> entries;
-    Eigen::MatrixXd right = Eigen::MatrixXd::Zero(n, 2);
-    for (size_t q = first_quad; q < quads_.size(); ++q)
-      for (const std::array<int, 3>& t : cut_along_corners(quads_[q]))
-        for (int k = 0; k < 3; ++k) {
-          const int v = t[static_cast<size_t>(k)], w = t[static_cast<size_t>((k + 1) % 3)];
-          for (const auto& [a, b] : {std::pair(v, w), std::pair(w, v)}) {
-            if (a < first_inner) continue;
-            entries.emplace_back(a - first_inner, a - first_inner, 1.0);
-            if (b < first_inner)
-              right.row(a - first_inner) += p(b).transpose();
-            else
-              entries.emplace_back(a - first_inner, b - first_inner, -1.0);
-          }
-        }
-    SparseMatrix A(n, n);
-    A.setFromTriplets(entries.begin(), entries.end());
-    SparseCholesky solver("layout of a face", CholeskyBackend::Eigen);
-    solver.factorize(A);
-    const Eigen::MatrixXd solved = solver.solve(right);
-    for (int v = 0; v < n; ++v) positions_[at(first_inner + v)] = solved.row(v);
-  }
-
-  int n_sides_, m_, reach_, n_pieces_ = 0;
-  PlanePoints boundary_;
-  std::vector<Vector2d> positions_;
-  std::vector<std::array<int, 4>> quads_;
-  std::vector<std::array<int, 2>> cuts_;
-  std::vector<char> concave_;  // per corner of the face
-  double widest_ = kReflexFrom;
-};
 
 /// Lengths of the four sides of a quadrilateral with these corners.
 std::array<double, 4> lengths_between(const std::vector<Points>& sides, const std::vector<size_t>& corners) {
@@ -643,7 +264,7 @@ FaceSplit lay_out(const std::vector<Points>& sides, int splits) {
   const std::vector<size_t> corners = corners_of_quadrilateral(sides);
   const bool is_grid = has_grid(corners, sides.size());
   if (const PlanePoints projected = projection_of(loop); projected.rows() > 0) {
-    Splitter splitter(n_sides, 1 << splits, projected);
+    FaceSplitter splitter(n_sides, 1 << splits, projected);
     if (is_grid) {
       FaceSplit split = splitter.run_grid(corners);
       split.is_projection = true;
@@ -666,7 +287,7 @@ FaceSplit lay_out(const std::vector<Points>& sides, int splits) {
     double best_shape = 0;
     for (const int reach : {1 << splits >> 1, 1})
       for (const double widest : {kReflexFrom, kWideFrom}) {
-        Splitter splitter(n_sides, 1 << splits, polygon, std::max(reach, 1));
+        FaceSplitter splitter(n_sides, 1 << splits, polygon, std::max(reach, 1));
         FaceSplit split = splitter.run(widest);
         if (!splitter.is_valid() || !(splitter.shape() > 1.01 * best_shape)) continue;
         best_shape = splitter.shape();
@@ -677,13 +298,13 @@ FaceSplit lay_out(const std::vector<Points>& sides, int splits) {
   }
   // A convex polygon with sides of the same lengths: half a cylinder unrolls to its rectangle.
   if (!corners.empty()) {
-    Splitter splitter(n_sides, 1 << splits,
-                      boundary_over(sides, corners, quadrilateral(lengths_between(sides, corners))));
+    FaceSplitter splitter(n_sides, 1 << splits,
+                          boundary_over(sides, corners, quadrilateral(lengths_between(sides, corners))));
     FaceSplit split = is_grid ? splitter.run_grid(corners) : splitter.run(kWhole);
     if (splitter.is_valid()) return split;
   }
   if (const PlanePoints polygon = cyclic_polygon(loop, n_sides); polygon.rows() > 0) {
-    Splitter splitter(n_sides, 1 << splits, polygon);
+    FaceSplitter splitter(n_sides, 1 << splits, polygon);
     FaceSplit split = splitter.run(kWhole);
     if (splitter.is_valid()) return split;
   }
@@ -697,7 +318,7 @@ FaceSplit lay_out(const std::vector<Points>& sides, int splits) {
     disc.row(i) << perimeter / (2 * kPi) * std::cos(turn), perimeter / (2 * kPi) * std::sin(turn);
     arc += (loop.row((i + 1) % n) - loop.row(i)).norm();
   }
-  Splitter splitter(n_sides, 1 << splits, disc);
+  FaceSplitter splitter(n_sides, 1 << splits, disc);
   return splitter.run(kWhole);
 }
 
@@ -706,11 +327,11 @@ FaceSplit lay_out(const std::vector<Points>& sides, int splits) {
 std::vector<int> parts_at_concave_corners(const std::vector<Points>& sides) {
   std::vector<int> parts(sides.size(), 1);
   if (const PlanePoints projected = projection_of(loop_of(sides)); projected.rows() > 0)
-    parts = Splitter(static_cast<int>(sides.size()), static_cast<int>(sides[0].rows()) - 1, projected)
+    parts = FaceSplitter(static_cast<int>(sides.size()), static_cast<int>(sides[0].rows()) - 1, projected)
                 .parts_at_concave_corners();
   else if (const PlanePoints polygon = unrolled_where_narrow(sides, loop_of(sides)); polygon.rows() > 0)
-    parts = Splitter(static_cast<int>(sides.size()), static_cast<int>(sides[0].rows()) - 1, polygon,
-                     static_cast<int>(sides[0].rows() - 1) / 2)
+    parts = FaceSplitter(static_cast<int>(sides.size()), static_cast<int>(sides[0].rows()) - 1, polygon,
+                         static_cast<int>(sides[0].rows() - 1) / 2)
                 .parts_at_concave_corners();
   return parts;
 }
@@ -720,7 +341,7 @@ FaceSplit split_face_into_quads(const std::vector<Points>& sides, int splits) {
   if (split.n_pieces != 1 || split.is_unrolled) return split;
   const std::vector<size_t> corners = corners_of_quadrilateral(sides);
   if (corners.empty()) return split;
-  Splitter splitter(
+  FaceSplitter splitter(
       static_cast<int>(sides.size()), 1 << splits,
       boundary_over(sides, corners, {Vector2d(0, 0), Vector2d(1, 0), Vector2d(1, 1), Vector2d(0, 1)}));
   split.square = (split.is_grid ? splitter.run_grid(corners) : splitter.run(kWhole)).domain;
