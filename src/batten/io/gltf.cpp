@@ -11,6 +11,7 @@
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
 #include "batten/io/exact_merger_detail.hpp"
+#include "batten/io/gltf_detail.hpp"
 #include "batten/io/little_endian_detail.hpp"
 #include "batten/io/mesh_formats_detail.hpp"
 
@@ -22,10 +23,6 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr std::uint32_t kMagic = 0x46546C67, kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
-constexpr int kFloat = 5126, kByte = 5120, kUnsignedByte = 5121, kShort = 5122, kUnsignedShort = 5123,
-              kUnsignedInt = 5125;
-constexpr int kTriangles = 4, kStrip = 5, kFan = 6;
 /// Nodes deeper than this are a loop or no scene that anybody made.
 constexpr int kDeepest = 200;
 
@@ -53,7 +50,7 @@ std::string from_base64(std::string_view text) {
 class GltfParser {
  public:
   GltfParser(std::string_view content, const std::string& path) : path_(path), merger_(mesh_) {
-    if (content.size() >= 4 && little_endian<std::uint32_t>(content.data()) == kMagic)
+    if (content.size() >= 4 && little_endian<std::uint32_t>(content.data()) == gltf::kMagic)
       unpack(content);
     else
       json_ = Json::parse(content, nullptr, false);
@@ -99,8 +96,8 @@ class GltfParser {
       const std::uint32_t kind = little_endian<std::uint32_t>(content.data() + at + 4);
       if (length > content.size() - at - 8) fail("is cut off; copy it again");
       const std::string_view chunk = content.substr(at + 8, length);
-      if (kind == kJsonChunk && json_.is_null()) json_ = Json::parse(chunk, nullptr, false);
-      if (kind == kBinaryChunk && binary_.empty()) binary_ = chunk;
+      if (kind == gltf::kJsonChunk && json_.is_null()) json_ = Json::parse(chunk, nullptr, false);
+      if (kind == gltf::kBinaryChunk && binary_.empty()) binary_ = chunk;
       at += 8 + length + (4 - length % 4) % 4;
     }
   }
@@ -171,10 +168,10 @@ class GltfParser {
     const std::string shape = accessor.value("type", std::string());
     const size_t given = shape == "SCALAR" ? 1 : shape == "VEC3" ? 3 : shape == "VEC4" ? 4 : 0;
     if (given < width || (given != width && width != 3)) fail(concat(what, " have the type '", shape, "'"));
-    const size_t size = type == kFloat || type == kUnsignedInt     ? 4
-                        : type == kShort || type == kUnsignedShort ? 2
-                        : type == kByte || type == kUnsignedByte   ? 1
-                                                                   : 0;
+    const size_t size = type == gltf::kFloat || type == gltf::kUnsignedInt     ? 4
+                        : type == gltf::kShort || type == gltf::kUnsignedShort ? 2
+                        : type == gltf::kByte || type == gltf::kUnsignedByte   ? 1
+                                                                               : 0;
     if (size == 0) fail(concat(what, " have the component type ", type, ", which glTF does not know"));
     const Json& view = entry("bufferViews", member(accessor, "bufferView"));
     const size_t buffer = member(view, "buffer");
@@ -201,15 +198,15 @@ class GltfParser {
       return normalised ? std::max(-1.0, value / largest) : value;
     };
     switch (type) {
-      case kFloat:
+      case gltf::kFloat:
         return little_endian<float>(bytes);
-      case kByte:
+      case gltf::kByte:
         return scaled(little_endian<std::int8_t>(bytes), 127);
-      case kUnsignedByte:
+      case gltf::kUnsignedByte:
         return scaled(little_endian<std::uint8_t>(bytes), 255);
-      case kShort:
+      case gltf::kShort:
         return scaled(little_endian<std::int16_t>(bytes), 32767);
-      case kUnsignedShort:
+      case gltf::kUnsignedShort:
         return scaled(little_endian<std::uint16_t>(bytes), 65535);
       default:
         return little_endian<std::uint32_t>(bytes);
@@ -280,8 +277,8 @@ class GltfParser {
   }
 
   void add_primitive(const Json& primitive, const Eigen::Matrix4d& transform) {
-    const size_t mode = member(primitive, "mode", kTriangles);
-    if (mode != kTriangles && mode != kStrip && mode != kFan) {
+    const size_t mode = member(primitive, "mode", gltf::kTriangles);
+    if (mode != gltf::kTriangles && mode != gltf::kStrip && mode != gltf::kFan) {
       ++n_other_modes_;
       return;
     }
@@ -310,10 +307,10 @@ class GltfParser {
       if (turned) std::swap(b, c);
       add_face(mesh_, {vertices[corners[a]], vertices[corners[b]], vertices[corners[c]]});
     };
-    for (size_t i = 2; i < corners.size(); i += mode == kTriangles ? 3 : 1) {
-      if (mode == kTriangles) face(i - 2, i - 1, i);
-      if (mode == kStrip) i % 2 == 0 ? face(i - 2, i - 1, i) : face(i - 1, i - 2, i);
-      if (mode == kFan) face(0, i - 1, i);
+    for (size_t i = 2; i < corners.size(); i += mode == gltf::kTriangles ? 3 : 1) {
+      if (mode == gltf::kTriangles) face(i - 2, i - 1, i);
+      if (mode == gltf::kStrip) i % 2 == 0 ? face(i - 2, i - 1, i) : face(i - 1, i - 2, i);
+      if (mode == gltf::kFan) face(0, i - 1, i);
     }
   }
 
@@ -366,101 +363,10 @@ class GltfParser {
   size_t n_other_modes_ = 0, n_visited_ = 0;
 };
 
-/// The bytes of one bufferView, and what refers to it.
-class GlbWriter {
- public:
-  /// @param values of `width` each, row by row.
-  int add_floats(const std::vector<double>& values, int width, bool with_range) {
-    begin_view(34962);  // ARRAY_BUFFER
-    for (const double value : values) append_little_endian(binary_, static_cast<float>(value));
-    Json accessor =
-        add_accessor(kFloat, values.size() / static_cast<size_t>(width), width == 1 ? "SCALAR" : "VEC3");
-    if (with_range) {
-      std::vector<float> low(3, std::numeric_limits<float>::max()),
-          high(3, std::numeric_limits<float>::lowest());
-      for (size_t i = 0; i < values.size(); ++i) {
-        low[i % 3] = std::min(low[i % 3], static_cast<float>(values[i]));
-        high[i % 3] = std::max(high[i % 3], static_cast<float>(values[i]));
-      }
-      accessor["min"] = low;
-      accessor["max"] = high;
-    }
-    return put(std::move(accessor));
-  }
-  int add_colours(const std::vector<std::uint8_t>& bytes) {
-    begin_view(34962);
-    for (const std::uint8_t byte : bytes) binary_ += static_cast<char>(byte);
-    Json accessor = add_accessor(kUnsignedByte, bytes.size() / 4, "VEC4");
-    accessor["normalized"] = true;
-    return put(std::move(accessor));
-  }
-  int add_indices(const Triangles& triangles) {
-    begin_view(34963);  // ELEMENT_ARRAY_BUFFER
-    for (Eigen::Index f = 0; f < triangles.rows(); ++f)
-      for (int k = 0; k < 3; ++k) append_little_endian(binary_, static_cast<std::uint32_t>(triangles(f, k)));
-    return put(add_accessor(kUnsignedInt, static_cast<size_t>(triangles.size()), "SCALAR"));
-  }
-
-  std::string bytes(const Json& primitive) {
-    while (binary_.size() % 4 != 0) binary_ += '\0';
-    const Json json = {{"asset", {{"version", "2.0"}, {"generator", "Batten"}}},
-                       {"scene", 0},
-                       {"scenes", {{{"nodes", {0}}}}},
-                       {"nodes", {{{"mesh", 0}}}},
-                       {"meshes", {{{"primitives", {primitive}}}}},
-                       {"buffers", {{{"byteLength", binary_.size()}}}},
-                       {"bufferViews", views_},
-                       {"accessors", accessors_}};
-    std::string text = json.dump();
-    while (text.size() % 4 != 0) text += ' ';
-    std::string out;
-    append_little_endian(out, kMagic);
-    append_little_endian(out, 2);
-    append_little_endian(out, static_cast<std::uint32_t>(28 + text.size() + binary_.size()));
-    append_little_endian(out, static_cast<std::uint32_t>(text.size()));
-    append_little_endian(out, kJsonChunk);
-    out += text;
-    append_little_endian(out, static_cast<std::uint32_t>(binary_.size()));
-    append_little_endian(out, kBinaryChunk);
-    return out + binary_;
-  }
-
- private:
-  void begin_view(int target) {
-    while (binary_.size() % 4 != 0) binary_ += '\0';
-    begin_ = binary_.size();
-    target_ = target;
-  }
-  Json add_accessor(int type, size_t count, const char* shape) {
-    views_.push_back({{"buffer", 0},
-                      {"byteOffset", begin_},
-                      {"byteLength", binary_.size() - begin_},
-                      {"target", target_}});
-    return {{"bufferView", views_.size() - 1}, {"componentType", type}, {"count", count}, {"type", shape}};
-  }
-  int put(Json accessor) {
-    accessors_.push_back(std::move(accessor));
-    return static_cast<int>(accessors_.size()) - 1;
-  }
-
-  std::string binary_;
-  size_t begin_ = 0;
-  int target_ = 0;
-  Json views_ = Json::array(), accessors_ = Json::array();
-};
-
-std::vector<double> y_up(const Points& rows, double scale) {
-  std::vector<double> values;
-  values.reserve(static_cast<size_t>(rows.size()));
-  for (Eigen::Index i = 0; i < rows.rows(); ++i)
-    values.insert(values.end(), {scale * rows(i, 0), scale * rows(i, 2), -scale * rows(i, 1)});
-  return values;
-}
-
 }  // namespace
 
 bool begins_as_gltf(std::string_view content) {
-  if (content.size() >= 4 && little_endian<std::uint32_t>(content.data()) == kMagic) return true;
+  if (content.size() >= 4 && little_endian<std::uint32_t>(content.data()) == gltf::kMagic) return true;
   const std::string_view begin = trim(content.substr(0, 20000));
   return !begin.empty() && begin[0] == '{' && begin.find("\"asset\"") != std::string_view::npos &&
          (content.find("\"meshes\"") != std::string_view::npos);
@@ -472,32 +378,6 @@ RawMesh parse_gltf(std::string_view content, const std::string& path) {
   } catch (const Json::exception& error) {  // a member of another type than it must be
     throw FileError(path, 0, concat("is no sound glTF file: ", error.what()));
   }
-}
-
-std::string glb_bytes(const TriangleMesh& mesh, double metres_per_unit) {
-  constexpr double kLargest = std::numeric_limits<float>::max();
-  const double largest = mesh.n_vertices() > 0 ? mesh.positions.cwiseAbs().maxCoeff() * metres_per_unit : 0;
-  if (!(largest <= kLargest) || mesh.triangles.size() > (Eigen::Index{1} << 29))
-    throw InvalidInput(concat("GLB holds coordinates up to ", kLargest,
-                              " m and half a billion corners; the mesh reaches ", largest,
-                              " m; write .ply, or simplify it"));
-  GlbWriter writer;
-  Json attributes = {{"POSITION", writer.add_floats(y_up(mesh.positions, metres_per_unit), 3, true)}};
-  if (mesh.normals.rows() > 0) attributes["NORMAL"] = writer.add_floats(y_up(mesh.normals, 1), 3, false);
-  const auto red = mesh.vertex_values.find("red"), green = mesh.vertex_values.find("green"),
-             blue = mesh.vertex_values.find("blue"), none = mesh.vertex_values.end();
-  if (red != none && green != none && blue != none) {
-    std::vector<std::uint8_t> bytes;
-    for (Eigen::Index i = 0; i < mesh.n_vertices(); ++i) {
-      for (const auto* channel : {&red->second, &green->second, &blue->second})
-        bytes.push_back(static_cast<std::uint8_t>(std::clamp(std::round((*channel)[i]), 0.0, 255.0)));
-      bytes.push_back(255);
-    }
-    attributes["COLOR_0"] = writer.add_colours(bytes);
-  }
-  const Json primitive = {
-      {"attributes", attributes}, {"indices", writer.add_indices(mesh.triangles)}, {"mode", kTriangles}};
-  return writer.bytes(primitive);
 }
 
 }  // namespace batten::detail
