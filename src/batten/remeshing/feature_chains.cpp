@@ -5,6 +5,9 @@
 
 #include <Eigen/Geometry>
 
+#include "batten/core/error.hpp"
+#include "batten/core/text.hpp"
+
 namespace batten {
 
 namespace {
@@ -96,48 +99,27 @@ void extend_crease(HalfedgeMesh& mesh, int v, double least, double corner_angle)
   }
 }
 
-}  // namespace
-
-Vector3d FeatureChain::at(double s) const {
-  const auto above = std::upper_bound(lengths.begin(), lengths.end(), s);
-  if (above == lengths.begin()) return points.front();
-  if (above == lengths.end()) return points.back();
-  const auto i = static_cast<std::size_t>(above - lengths.begin());
-  const double t = (s - lengths[i - 1]) / (lengths[i] - lengths[i - 1]);
-  return (1 - t) * points[i - 1] + t * points[i];
-}
-
-FeatureChains mark_features(HalfedgeMesh& mesh, const FeatureOptions& options) {
-  const int n = mesh.vertex_capacity();
-  for (int h = 0; h < mesh.halfedge_capacity(); ++h)
-    if (mesh.is_representative(h) &&
-        (mesh.is_border_edge(h) || dihedral_angle(mesh, h) > options.crease_angle))
-      mesh.set_marked(h, true);
-
-  // Short curves with a free end, again and again: dropping one may free the end of another.
-  for (bool dropped = options.least_length > 0; dropped;) {
+/// Short curves with a free end are unmarked, again and again: dropping one may free the end of another.
+void drop_short_curves(HalfedgeMesh& mesh, double least_length) {
+  for (bool dropped = least_length > 0; dropped;) {
     dropped = false;
-    for (int v = 0; v < n; ++v) {
+    for (int v = 0; v < mesh.vertex_capacity(); ++v) {
       if (!mesh.has_vertex(v)) continue;
       const std::vector<int> edges = marked_edges(mesh, v);
       if (edges.size() != 1) continue;
       const std::vector<int> curve =
           walk(mesh, v, edges[0], [&](int u) { return marked_edges(mesh, u).size() != 2; });
-      if (polyline_length(mesh, curve) >= options.least_length) continue;
+      if (polyline_length(mesh, curve) >= least_length) continue;
       unmark(mesh, curve);
       dropped = true;
     }
   }
+}
 
-  if (options.fade < 1)
-    for (int v = 0; v < n; ++v)
-      if (mesh.has_vertex(v) && !mesh.is_border_vertex(v))
-        extend_crease(mesh, v, options.fade * options.crease_angle, options.corner_angle);
-
-  FeatureChains result;
-  result.chain_of_vertex.assign(n, kNone);
-  result.place_of_vertex.assign(n, 0.0);
-  result.is_corner.assign(n, 0);
+/// Marks corners: ends of curves, where they meet, and where one turns. @return per vertex whether it is on a
+/// curve.
+std::vector<char> find_corners(const HalfedgeMesh& mesh, double corner_angle, FeatureChains& result) {
+  const int n = mesh.vertex_capacity();
   std::vector<char> on_curve(n, 0);
   for (int v = 0; v < n; ++v) {
     if (!mesh.has_vertex(v)) continue;
@@ -147,25 +129,30 @@ FeatureChains mark_features(HalfedgeMesh& mesh, const FeatureOptions& options) {
     if (edges.size() == 2) {
       const Vector3d a = mesh.position(v) - mesh.position(other_end(mesh, edges[0], v));
       const Vector3d b = mesh.position(other_end(mesh, edges[1], v)) - mesh.position(v);
-      result.is_corner[v] = std::atan2(a.cross(b).norm(), a.dot(b)) > options.corner_angle ? 1 : 0;
+      result.is_corner[v] = std::atan2(a.cross(b).norm(), a.dot(b)) > corner_angle ? 1 : 0;
     } else {
       result.is_corner[v] = 1;
     }
   }
+  return on_curve;
+}
+
+/// The inner vertex of a curve that is nearest to its middle, from behind.
+int vertex_halfway(const HalfedgeMesh& mesh, const std::vector<int>& loop) {
+  const double half = polyline_length(mesh, loop) / 2;
+  double length = 0;
+  for (std::size_t i = 1; i + 1 < loop.size(); ++i) {
+    length += (mesh.position(loop[i]) - mesh.position(loop[i - 1])).norm();
+    if (length >= half || i + 2 == loop.size()) return loop[i];
+  }
+  return kNone;
+}
+
+/// Curves without a corner get one at their lowest vertex; then those that return to their only corner get
+/// another, halfway.
+void add_missing_corners(const HalfedgeMesh& mesh, const std::vector<char>& on_curve, FeatureChains& result) {
+  const int n = mesh.vertex_capacity();
   const auto is_corner = [&](int v) { return result.is_corner[v] != 0; };
-  const auto add_corner_halfway = [&](const std::vector<int>& loop) {
-    const double half = polyline_length(mesh, loop) / 2;
-    double length = 0;
-    for (std::size_t i = 1; i + 1 < loop.size(); ++i) {
-      length += (mesh.position(loop[i]) - mesh.position(loop[i - 1])).norm();
-      if (length >= half || i + 2 == loop.size()) {
-        result.is_corner[loop[i]] = 1;
-        return;
-      }
-    }
-  };
-  // Curves without a corner get one at their lowest vertex; then those that return to their only corner get
-  // another, halfway.
   std::vector<char> reached(n, 0);
   for (int v = 0; v < n; ++v)
     if (on_curve[v] != 0 && is_corner(v))
@@ -180,9 +167,16 @@ FeatureChains mark_features(HalfedgeMesh& mesh, const FeatureOptions& options) {
     if (on_curve[v] == 0 || !is_corner(v)) continue;
     for (const int e : marked_edges(mesh, v)) {
       const std::vector<int> curve = walk(mesh, v, e, is_corner);
-      if (curve.back() == v) add_corner_halfway(curve);
+      if (curve.back() != v) continue;
+      if (const int middle = vertex_halfway(mesh, curve); middle != kNone) result.is_corner[middle] = 1;
     }
   }
+}
+
+/// The chains from corner to corner.
+void collect_chains(const HalfedgeMesh& mesh, const std::vector<char>& on_curve, FeatureChains& result) {
+  const int n = mesh.vertex_capacity();
+  const auto is_corner = [&](int v) { return result.is_corner[v] != 0; };
   for (int v = 0; v < n; ++v) {
     if (on_curve[v] == 0 || !is_corner(v)) continue;
     for (const int e : marked_edges(mesh, v)) {
@@ -206,6 +200,47 @@ FeatureChains mark_features(HalfedgeMesh& mesh, const FeatureOptions& options) {
       result.chains.push_back(std::move(chain));
     }
   }
+}
+
+}  // namespace
+
+Vector3d FeatureChain::at(double s) const {
+  const auto above = std::upper_bound(lengths.begin(), lengths.end(), s);
+  if (above == lengths.begin()) return points.front();
+  if (above == lengths.end()) return points.back();
+  const auto i = static_cast<std::size_t>(above - lengths.begin());
+  const double t = (s - lengths[i - 1]) / (lengths[i] - lengths[i - 1]);
+  return (1 - t) * points[i - 1] + t * points[i];
+}
+
+std::optional<std::string> FeatureOptions::problem() const {
+  if (!(crease_angle >= 0)) return concat("crease_angle must be >= 0, got ", crease_angle);
+  if (!(corner_angle >= 0)) return concat("corner_angle must be >= 0, got ", corner_angle);
+  if (!(least_length >= 0)) return concat("least_length must be >= 0, got ", least_length);
+  if (!(fade > 0 && fade <= 1)) return concat("fade must be above 0 and at most 1, got ", fade);
+  return std::nullopt;
+}
+
+FeatureChains mark_features(HalfedgeMesh& mesh, const FeatureOptions& options) {
+  if (const auto problem = options.problem()) throw InvalidInput(*problem);
+  const int n = mesh.vertex_capacity();
+  for (int h = 0; h < mesh.halfedge_capacity(); ++h)
+    if (mesh.is_representative(h) &&
+        (mesh.is_border_edge(h) || dihedral_angle(mesh, h) > options.crease_angle))
+      mesh.set_marked(h, true);
+  drop_short_curves(mesh, options.least_length);
+  if (options.fade < 1)
+    for (int v = 0; v < n; ++v)
+      if (mesh.has_vertex(v) && !mesh.is_border_vertex(v))
+        extend_crease(mesh, v, options.fade * options.crease_angle, options.corner_angle);
+
+  FeatureChains result;
+  result.chain_of_vertex.assign(n, kNone);
+  result.place_of_vertex.assign(n, 0.0);
+  result.is_corner.assign(n, 0);
+  const std::vector<char> on_curve = find_corners(mesh, options.corner_angle, result);
+  add_missing_corners(mesh, on_curve, result);
+  collect_chains(mesh, on_curve, result);
   return result;
 }
 

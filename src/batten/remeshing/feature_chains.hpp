@@ -1,4 +1,6 @@
 #pragma once
+#include <optional>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -40,6 +42,9 @@ struct FeatureOptions {
   /// Creases are followed beyond their ends while they fade, down to this fraction of crease_angle, where
   /// they stand out from the surface beside them; in (0, 1], 1 follows none.
   double fade = 1;
+
+  /// The first problem found, naming field and value, or nothing.
+  std::optional<std::string> problem() const;
 };
 
 /// Marks borders and creases in `mesh` (which may hold marks: these are kept too) and cuts them into chains

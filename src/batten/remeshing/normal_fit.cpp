@@ -12,7 +12,9 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
+#include "batten/core/error.hpp"
 #include "batten/core/parallel.hpp"
+#include "batten/core/text.hpp"
 #include "batten/core/units.hpp"
 #include "batten/mesh/spatial_order.hpp"
 #include "batten/remeshing/area_samples.hpp"
@@ -624,9 +626,23 @@ class NormalFit {
 
 }  // namespace
 
+std::optional<std::string> NormalFitOptions::problem() const {
+  const std::pair<const char*, double> weights[] = {
+      {"shape", shape}, {"distance", distance}, {"valence", valence}};
+  for (const auto& [name, value] : weights)
+    if (!(value >= 0) || !std::isfinite(value)) return concat(name, " must be >= 0, got ", value);
+  if (!(mean_angle >= 0 && mean_angle <= kPi / 3))
+    return concat("mean_angle must be 0 to π/3, got ", mean_angle);
+  if (!(least_angle >= 0 && least_angle <= kPi / 3))
+    return concat("least_angle must be 0 to π/3, got ", least_angle);
+  if (rounds < 0) return concat("rounds must be >= 0, got ", rounds);
+  return std::nullopt;
+}
+
 int fit_normals(RemeshState& state, const FeatureChains& features, const Points& reference_positions,
                 const Triangles& reference_triangles, ReferenceSamples reference,
                 const NormalFitOptions& options, const Progress& progress) {
+  if (const auto problem = options.problem()) throw InvalidInput(*problem);
   if (options.rounds == 0) return 0;
   return NormalFit(state, features, reference_positions, reference_triangles, std::move(reference), options,
                    progress.part("fitting normals", 0, 0.1))

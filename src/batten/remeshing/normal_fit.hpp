@@ -1,4 +1,7 @@
 #pragma once
+#include <optional>
+#include <string>
+
 #include "batten/core/arrays.hpp"
 #include "batten/core/progress.hpp"
 #include "batten/remeshing/area_samples.hpp"
@@ -20,6 +23,9 @@ struct NormalFitOptions {
   double least_angle = 0.6;
   /// Rounds over all vertices and edges, at least 0; a round looks only at what changed in the last.
   int rounds = 6;
+
+  /// The first problem found, naming field and value, or nothing.
+  std::optional<std::string> problem() const;
 };
 
 /// Moves vertices and turns edges where the triangles then have normals nearer to those of the reference, at

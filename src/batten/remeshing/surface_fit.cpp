@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "batten/core/error.hpp"
+#include "batten/core/text.hpp"
 #include "batten/mesh/normals.hpp"
 #include "batten/operators/laplacian.hpp"
 
@@ -29,19 +30,11 @@ struct Corners {
   Vector3d cross() const { return (b - a).cross(c - a); }
 };
 
-}  // namespace
-
-SurfaceFitResult fitted_to_surface(const Points& positions, const Triangles& triangles,
-                                   const std::vector<char>& fixed, const ReferenceSamples& reference,
-                                   const SurfaceFitOptions& options, const Progress& progress) {
-  const Eigen::Index n = positions.rows(), m = triangles.rows();
-  const EdgeLengths lengths = edge_lengths(positions, triangles);
-  const double slope_weight = options.normals * std::pow(lengths.mean(), 2);
-  const Points vertex_normals = batten::vertex_normals(positions, triangles);
-  SparseMatrix A = cotangent_stiffness(triangles, lengths, n);
-  for (Eigen::Index i = 0; i < A.nonZeros(); ++i) A.valuePtr()[i] = 0;
-  Eigen::VectorXd right = Eigen::VectorXd::Zero(n);
-  std::vector<Matrix3d> block(m, Matrix3d::Zero());
+/// Adds the rows of the samples: to one block of every triangle, and to the right-hand side.
+std::vector<Matrix3d> sample_blocks(const Points& positions, const Triangles& triangles,
+                                    const Points& vertex_normals, const ReferenceSamples& reference,
+                                    double slope_weight, Eigen::VectorXd& right, const Progress& progress) {
+  std::vector<Matrix3d> block(triangles.rows(), Matrix3d::Zero());
   for (std::size_t s = 0; s < reference.points.size(); ++s) {
     if (s % kSamplesPerReport == 0)
       progress.report("fit", 0.5 * static_cast<double>(s) / static_cast<double>(reference.points.size()));
@@ -73,14 +66,13 @@ SurfaceFitResult fitted_to_surface(const Points& positions, const Triangles& tri
         block[f](k, l) += sample.area * slope_weight * gradients[k].dot(gradients[l]);
     }
   }
-  progress.report("fit", 0.5);
-  for (Eigen::Index f = 0; f < m; ++f)
-    for (int k = 0; k < 3; ++k)
-      for (int l = 0; l < 3; ++l) A.coeffRef(triangles(f, k), triangles(f, l)) += block[f](k, l);
-  progress.report("fit", 0.6);
-  // Fixed vertices, and a little weight on staying where no sample fell.
+  return block;
+}
+
+/// Fixed vertices, and a little weight on staying where no sample fell.
+void hold_vertices(SparseMatrix& A, Eigen::VectorXd& right, const std::vector<char>& fixed) {
   const double small = 1e-6 * A.diagonal().mean();
-  for (Eigen::Index v = 0; v < n; ++v) {
+  for (Eigen::Index v = 0; v < A.cols(); ++v) {
     for (SparseMatrix::InnerIterator entry(A, v); entry; ++entry)
       if (entry.row() != v && (fixed[v] != 0 || fixed[entry.row()] != 0)) entry.valueRef() = 0;
     double& diagonal = A.coeffRef(v, v);
@@ -90,6 +82,46 @@ SurfaceFitResult fitted_to_surface(const Points& positions, const Triangles& tri
       right[v] = 0;
     }
   }
+}
+
+/// The shortest edge at every vertex; infinite where there is none.
+Eigen::VectorXd shortest_edges(const Triangles& triangles, const EdgeLengths& lengths, Eigen::Index n) {
+  Eigen::VectorXd shortest = Eigen::VectorXd::Constant(n, std::numeric_limits<double>::infinity());
+  for (Eigen::Index f = 0; f < triangles.rows(); ++f)
+    for (int k = 0; k < 3; ++k) {
+      double& value = shortest[triangles(f, k)];
+      value = std::min({value, lengths(f, (k + 1) % 3), lengths(f, (k + 2) % 3)});
+    }
+  return shortest;
+}
+
+}  // namespace
+
+std::optional<std::string> SurfaceFitOptions::problem() const {
+  if (!(normals >= 0) || !std::isfinite(normals)) return concat("normals must be >= 0, got ", normals);
+  if (!(most >= 0)) return concat("most must be >= 0, got ", most);
+  return std::nullopt;
+}
+
+SurfaceFitResult fitted_to_surface(const Points& positions, const Triangles& triangles,
+                                   const std::vector<char>& fixed, const ReferenceSamples& reference,
+                                   const SurfaceFitOptions& options, const Progress& progress) {
+  if (const auto problem = options.problem()) throw InvalidInput(*problem);
+  const Eigen::Index n = positions.rows(), m = triangles.rows();
+  const EdgeLengths lengths = edge_lengths(positions, triangles);
+  const double slope_weight = options.normals * std::pow(lengths.mean(), 2);
+  const Points vertex_normals = batten::vertex_normals(positions, triangles);
+  SparseMatrix A = cotangent_stiffness(triangles, lengths, n);
+  for (Eigen::Index i = 0; i < A.nonZeros(); ++i) A.valuePtr()[i] = 0;
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(n);
+  const std::vector<Matrix3d> block =
+      sample_blocks(positions, triangles, vertex_normals, reference, slope_weight, right, progress);
+  progress.report("fit", 0.5);
+  for (Eigen::Index f = 0; f < m; ++f)
+    for (int k = 0; k < 3; ++k)
+      for (int l = 0; l < 3; ++l) A.coeffRef(triangles(f, k), triangles(f, l)) += block[f](k, l);
+  progress.report("fit", 0.6);
+  hold_vertices(A, right, fixed);
   IterativeOptions solver;
   solver.tolerance = 1e-4;
   solver.max_iterations = 200;
@@ -104,13 +136,7 @@ SurfaceFitResult fitted_to_surface(const Points& positions, const Triangles& tri
     return result;
   }
   const Eigen::VectorXd t = solution;
-
-  Eigen::VectorXd shortest = Eigen::VectorXd::Constant(n, std::numeric_limits<double>::infinity());
-  for (Eigen::Index f = 0; f < m; ++f)
-    for (int k = 0; k < 3; ++k) {
-      double& value = shortest[triangles(f, k)];
-      value = std::min({value, lengths(f, (k + 1) % 3), lengths(f, (k + 2) % 3)});
-    }
+  const Eigen::VectorXd shortest = shortest_edges(triangles, lengths, n);
   for (Eigen::Index v = 0; v < n; ++v)
     if (fixed[v] == 0 && std::isfinite(shortest[v])) {
       const double limit = options.most * shortest[v];

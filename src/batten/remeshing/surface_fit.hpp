@@ -1,4 +1,6 @@
 #pragma once
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "batten/core/arrays.hpp"
@@ -15,6 +17,9 @@ struct SurfaceFitOptions {
   double normals = 0.1;
   /// No vertex moves by more than this many lengths of its shortest edge.
   double most = 0.25;
+
+  /// The first problem found, naming field and value, or nothing.
+  std::optional<std::string> problem() const;
 };
 
 /// What a fit reached.
