@@ -133,6 +133,163 @@ std::vector<SharedPolyline> laid_ties(const PolylineMesh& mesh,
   return laid;
 }
 
+/// Makes a base mesh step by step.
+class BaseMeshMaker {
+ public:
+  BaseMeshMaker(const PolylineMesh& mesh, SplitSearch search) : mesh_(mesh), search_(search) {}
+
+  BaseMesh run() {
+    take_vertices();
+    find_halved();
+    take_edges();
+    for (size_t f = 0; f < mesh_.faces().size(); ++f)
+      if (mesh_.faces()[f].alive) divide_face(static_cast<int>(f));
+    return std::move(base_);
+  }
+
+ private:
+  /// A face of the model: its sides in the base mesh, and what its inside follows.
+  struct Inside {
+    std::vector<int> sides;
+    std::vector<SharedPolyline> curves;  ///< per side
+    std::vector<int> corners;            ///< per side, where it begins
+    std::shared_ptr<const CoonsPatch> patch;
+    std::vector<Vector2d> parameters;  ///< per corner, where there is a patch
+    std::vector<char> is_line;         ///< per side: it runs along a line of the patch
+  };
+
+  int add(int from, int to, SharedPolyline polyline, double sharpness, bool drawn) {
+    base_.edges.push_back({from, to, std::move(polyline), sharpness, drawn});
+    return static_cast<int>(base_.edges.size()) - 1;
+  }
+
+  void take_vertices() {
+    vertex_of_.assign(mesh_.vertices().size(), -1);
+    for (size_t v = 0; v < mesh_.vertices().size(); ++v) {
+      if (!mesh_.vertices()[v].alive) continue;
+      vertex_of_[v] = static_cast<int>(base_.positions.size());
+      base_.positions.push_back(mesh_.vertices()[v].position);
+    }
+  }
+
+  /// Edges of faces with two sides are halved.
+  void find_halved() {
+    is_halved_.assign(mesh_.edges().size(), 0);
+    bool has_faces = false;
+    for (const SketchFace& face : mesh_.faces()) {
+      if (!face.alive) continue;
+      has_faces = true;
+      if (face.sides.size() == 2)
+        for (const int side : face.sides) is_halved_[at(edge_of(side))] = 1;
+    }
+    if (!has_faces) throw InvalidInput("the model has no faces; insert a closed curve first");
+  }
+
+  void take_edges() {
+    const std::vector<SharedPolyline> ties = laid_ties(mesh_, wholes_);
+    base_.edges_of_edge.resize(mesh_.edges().size());
+    for (size_t e = 0; e < mesh_.edges().size(); ++e) {
+      const SketchEdge& edge = mesh_.edges()[e];
+      if (!edge.alive) continue;
+      const SharedPolyline polyline = ties[e] ? ties[e] : edge.polyline;
+      const int from = vertex_of_[at(edge.vertices[0])], to = vertex_of_[at(edge.vertices[1])];
+      const double middle = polyline->length() / 2;
+      if (is_halved_[e] != 0 && middle > 0) {
+        const int between = static_cast<int>(base_.positions.size());
+        base_.positions.push_back(polyline->at(middle));
+        const auto [first, second] = cut(*polyline, middle, base_.positions.back());
+        base_.edges_of_edge[e] = {add(from, between, first, edge.sharpness, edge.drawn),
+                                  add(between, to, second, edge.sharpness, edge.drawn)};
+      } else {
+        base_.edges_of_edge[e] = {add(from, to, polyline, edge.sharpness, edge.drawn)};
+      }
+    }
+  }
+
+  Inside inside_of(const SketchFace& face) const {
+    Inside own;
+    std::vector<int>& sides = own.sides;
+    for (const int side : face.sides) {
+      std::vector<int> pieces = base_.edges_of_edge[at(edge_of(side))];
+      const bool backwards = (side & 1) != 0;
+      if (backwards) std::reverse(pieces.begin(), pieces.end());
+      for (const int piece : pieces) sides.push_back(side_of(piece, backwards));
+    }
+    for (const int side : sides) {
+      const BaseEdge& edge = base_.edges[at(edge_of(side))];
+      own.curves.push_back(base_.polyline_of(side));
+      own.corners.push_back((side & 1) != 0 ? edge.to : edge.from);
+    }
+    own.is_line.assign(sides.size(), 1);
+    return own;
+  }
+
+  /// The inside follows the patch of the whole: that of the face before a hole was cut, or of the divided
+  /// face, whose diagonals then do not show.
+  void follow_patch(int f, Inside& own, FaceDiagonals& diagonals) const {
+    const SketchFace& face = mesh_.faces()[at(f)];
+    const auto n = static_cast<int>(own.sides.size());
+    if (wholes_[at(f)] && face.sides.size() == own.sides.size()) {
+      own.patch = wholes_[at(f)]->patch;
+      for (const int side : face.sides)
+        own.parameters.push_back(wholes_[at(f)]->parameters.at(mesh_.start_of(side)));
+      for (int k = 0; k < n; ++k) {
+        // Drawn sides run along the border of the patch or around the hole.
+        const Vector2d &p = own.parameters[at(k)], &q = own.parameters[at((k + 1) % n)];
+        const bool along_border =
+            (p.x() == q.x() && (p.x() == 0 || p.x() == 1)) || (p.y() == q.y() && (p.y() == 0 || p.y() == 1));
+        own.is_line[at(k)] = !mesh_.edge(edge_of(face.sides[at(k)])).drawn || along_border;
+      }
+      for (Diagonal& diagonal : diagonals.diagonals)
+        diagonal.polyline =
+            line_over(*own.patch, own.parameters[at(diagonal.from)], own.parameters[at(diagonal.to)],
+                      own.curves[at(diagonal.from)]->front(), own.curves[at(diagonal.to)]->front());
+    } else if (diagonals.patch) {
+      own.patch = std::make_shared<CoonsPatch>(diagonals.patch->patch);
+      own.parameters = diagonals.patch->parameters;
+    }
+  }
+
+  void divide_face(int f) {
+    Inside own = inside_of(mesh_.faces()[at(f)]);
+    const auto n = static_cast<int>(own.sides.size());
+    const FaceSplit split = split_face(own.curves, search_);
+    FaceDiagonals diagonals = diagonals_of_split(own.curves, split);
+    follow_patch(f, own, diagonals);
+    std::map<std::pair<int, int>, int> diagonal_between;
+    for (const Diagonal& diagonal : diagonals.diagonals)
+      diagonal_between[{diagonal.from, diagonal.to}] =
+          add(own.corners[at(diagonal.from)], own.corners[at(diagonal.to)], diagonal.polyline, 0, false);
+    for (const std::vector<int>& part : split.parts) {
+      BaseFace& made = base_.faces.emplace_back();
+      made.face = f;
+      made.patch = own.patch;
+      for (size_t k = 0; k < part.size(); ++k) {
+        const int i = part[k], j = part[(k + 1) % part.size()];
+        const auto found = diagonal_between.find(std::minmax(i, j));
+        const bool is_side = (i + 1) % n == j || found == diagonal_between.end();
+        made.sides.push_back(is_side ? own.sides[at(i)] : side_of(found->second, i > j));
+        if (own.patch) {
+          made.parameters.push_back(own.parameters[at(i)]);
+          made.is_line.push_back(is_side ? own.is_line[at(i)] : char(1));
+        }
+      }
+    }
+    if (split.parts.size() > 1) {
+      ++base_.n_divided;
+      base_.n_diagonals += static_cast<int>(diagonal_between.size());
+      base_.cost = base_.cost + split.cost;
+    }
+  }
+
+  const PolylineMesh& mesh_;
+  SplitSearch search_;
+  BaseMesh base_;
+  std::vector<int> vertex_of_;                        ///< per vertex of the model, or −1
+  std::vector<char> is_halved_;                       ///< per edge of the model
+  std::vector<std::shared_ptr<const Whole>> wholes_;  ///< per face of the model, or none
+};
+
 }  // namespace
 
 SharedPolyline BaseMesh::polyline_of(int side) const {
@@ -141,115 +298,7 @@ SharedPolyline BaseMesh::polyline_of(int side) const {
 }
 
 BaseMesh triquadrified(const PolylineMesh& mesh, SplitSearch search) {
-  BaseMesh base;
-  std::vector<int> vertex_of(mesh.vertices().size(), -1);
-  for (size_t v = 0; v < mesh.vertices().size(); ++v) {
-    if (!mesh.vertices()[v].alive) continue;
-    vertex_of[v] = static_cast<int>(base.positions.size());
-    base.positions.push_back(mesh.vertices()[v].position);
-  }
-  std::vector<char> is_halved(mesh.edges().size(), 0);
-  bool has_faces = false;
-  for (const SketchFace& face : mesh.faces()) {
-    if (!face.alive) continue;
-    has_faces = true;
-    if (face.sides.size() == 2)
-      for (const int side : face.sides) is_halved[at(edge_of(side))] = 1;
-  }
-  if (!has_faces) throw InvalidInput("the model has no faces; insert a closed curve first");
-
-  std::vector<std::shared_ptr<const Whole>> wholes;
-  const std::vector<SharedPolyline> ties = laid_ties(mesh, wholes);
-  base.edges_of_edge.resize(mesh.edges().size());
-  const auto add = [&](int from, int to, SharedPolyline polyline, double sharpness, bool drawn) {
-    base.edges.push_back({from, to, std::move(polyline), sharpness, drawn});
-    return static_cast<int>(base.edges.size()) - 1;
-  };
-  for (size_t e = 0; e < mesh.edges().size(); ++e) {
-    const SketchEdge& edge = mesh.edges()[e];
-    if (!edge.alive) continue;
-    const SharedPolyline polyline = ties[e] ? ties[e] : edge.polyline;
-    const int from = vertex_of[at(edge.vertices[0])], to = vertex_of[at(edge.vertices[1])];
-    const double middle = polyline->length() / 2;
-    if (is_halved[e] != 0 && middle > 0) {
-      const int between = static_cast<int>(base.positions.size());
-      base.positions.push_back(polyline->at(middle));
-      const auto [first, second] = cut(*polyline, middle, base.positions.back());
-      base.edges_of_edge[e] = {add(from, between, first, edge.sharpness, edge.drawn),
-                               add(between, to, second, edge.sharpness, edge.drawn)};
-    } else {
-      base.edges_of_edge[e] = {add(from, to, polyline, edge.sharpness, edge.drawn)};
-    }
-  }
-
-  for (size_t f = 0; f < mesh.faces().size(); ++f) {
-    const SketchFace& face = mesh.faces()[f];
-    if (!face.alive) continue;
-    std::vector<int> sides;
-    for (const int side : face.sides) {
-      std::vector<int> pieces = base.edges_of_edge[at(edge_of(side))];
-      const bool backwards = (side & 1) != 0;
-      if (backwards) std::reverse(pieces.begin(), pieces.end());
-      for (const int piece : pieces) sides.push_back(side_of(piece, backwards));
-    }
-    const auto n = static_cast<int>(sides.size());
-    std::vector<SharedPolyline> curves;
-    std::vector<int> corners;
-    for (const int side : sides) {
-      const BaseEdge& edge = base.edges[at(edge_of(side))];
-      curves.push_back(base.polyline_of(side));
-      corners.push_back((side & 1) != 0 ? edge.to : edge.from);
-    }
-    const FaceSplit split = split_face(curves, search);
-    FaceDiagonals diagonals = diagonals_of_split(curves, split);
-    // The inside follows the patch of the whole: that of the face before a hole was cut, or of the divided
-    // face, whose diagonals then do not show.
-    std::shared_ptr<const CoonsPatch> patch;
-    std::vector<Vector2d> parameters;
-    std::vector<char> is_line(at(n), 1);
-    if (wholes[f] && face.sides.size() == sides.size()) {
-      patch = wholes[f]->patch;
-      for (const int side : face.sides) parameters.push_back(wholes[f]->parameters.at(mesh.start_of(side)));
-      for (int k = 0; k < n; ++k) {
-        // Drawn sides run along the border of the patch or around the hole.
-        const Vector2d &p = parameters[at(k)], &q = parameters[at((k + 1) % n)];
-        const bool along_border =
-            (p.x() == q.x() && (p.x() == 0 || p.x() == 1)) || (p.y() == q.y() && (p.y() == 0 || p.y() == 1));
-        is_line[at(k)] = !mesh.edge(edge_of(face.sides[at(k)])).drawn || along_border;
-      }
-      for (Diagonal& diagonal : diagonals.diagonals)
-        diagonal.polyline = line_over(*patch, parameters[at(diagonal.from)], parameters[at(diagonal.to)],
-                                      curves[at(diagonal.from)]->front(), curves[at(diagonal.to)]->front());
-    } else if (diagonals.patch) {
-      patch = std::make_shared<CoonsPatch>(diagonals.patch->patch);
-      parameters = diagonals.patch->parameters;
-    }
-    std::map<std::pair<int, int>, int> diagonal_between;
-    for (const Diagonal& diagonal : diagonals.diagonals)
-      diagonal_between[{diagonal.from, diagonal.to}] =
-          add(corners[at(diagonal.from)], corners[at(diagonal.to)], diagonal.polyline, 0, false);
-    for (const std::vector<int>& part : split.parts) {
-      BaseFace& own = base.faces.emplace_back();
-      own.face = static_cast<int>(f);
-      own.patch = patch;
-      for (size_t k = 0; k < part.size(); ++k) {
-        const int i = part[k], j = part[(k + 1) % part.size()];
-        const auto found = diagonal_between.find(std::minmax(i, j));
-        const bool is_side = (i + 1) % n == j || found == diagonal_between.end();
-        own.sides.push_back(is_side ? sides[at(i)] : side_of(found->second, i > j));
-        if (patch) {
-          own.parameters.push_back(parameters[at(i)]);
-          own.is_line.push_back(is_side ? is_line[at(i)] : char(1));
-        }
-      }
-    }
-    if (split.parts.size() > 1) {
-      ++base.n_divided;
-      base.n_diagonals += static_cast<int>(diagonal_between.size());
-      base.cost = base.cost + split.cost;
-    }
-  }
-  return base;
+  return BaseMeshMaker(mesh, search).run();
 }
 
 }  // namespace batten
