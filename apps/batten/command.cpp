@@ -338,6 +338,7 @@ int run(int argc, char** argv) {
   app.set_version_flag("--version", "batten " BATTEN_VERSION);
   add_simulate(app);
   add_calibrate(app);
+  add_orient(app);
   add_network(app);
   add_surface(app);
   add_sketch(app);

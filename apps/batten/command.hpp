@@ -66,6 +66,7 @@ int run(int argc, char** argv);
 // One function per command, each in its own source; registered in main.cpp.
 void add_simulate(CLI::App& app);
 void add_calibrate(CLI::App& app);
+void add_orient(CLI::App& app);
 void add_network(CLI::App& app);
 void add_surface(CLI::App& app);
 void add_sketch(CLI::App& app);

@@ -163,6 +163,7 @@ TEST(BadInput, EveryCommandRefusesEmptyFilesFoldersGarbageAndNothing) {
       {"network", {"rawnet", "csv"}},
       {"reconstruct", {"rawnet", "csv"}},
       {"calibrate", {"csv"}},
+      {"orient", {"csv"}},
       {"surface", {"net", "obj", "json", "txt"}},
       {"info", {"rawnet", "csv", "ply", "off", "stl", "obj", "net", "json", "txt"}},
       {"render", {"ply", "off", "obj"}},
@@ -180,6 +181,7 @@ TEST(BadInput, EveryCommandRefusesEmptyFilesFoldersGarbageAndNothing) {
     if (command == "compare") return "compare " + input + " " + input;
     const std::string output = command == "render"                              ? "out.png"
                                : command == "simulate"                          ? "out.rawnet"
+                               : command == "orient"                            ? "out.csv"
                                : command == "network" || command == "calibrate" ? "out.json"
                                                                                 : "out.ply";
     return command + " " + input + " -o " + output;
@@ -312,6 +314,7 @@ TEST(BadUsage, EndsWithTwoAndSaysWhatIsWrong) {
                             "info",
                             "convert a.ply",
                             "calibrate good.csv",
+                            "orient good.csv",
                             "render a.ply"}) {
     SCOPED_TRACE(std::string("batten ") + usage);
     const std::set<std::string> before = files();

@@ -1,5 +1,6 @@
 #include "apps/run_batten.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <regex>
@@ -59,6 +60,22 @@ TEST(CommandLines, RawReadingsAreCalibratedAndBecomeANetwork) {
       "simulate sphere -o exact.rawnet --truth-network raw_truth.net --truth-step 1% --step 1.5% --json");
   const Json compared = run_json("compare raw.json raw_truth.net --register rigid --samples 2000 --json");
   EXPECT_LT(compared["relative"]["a_to_b"]["mean"].get<double>(), 0.005);
+}
+
+TEST(CommandLines, OrientTakesEveryOption) {
+  run_json("simulate sphere -o scan.csv --raw --tumble tumble.csv --step 4% --seed 3 --json");
+  run_json("calibrate tumble.csv -o calibration.json --json");
+  for (const char* options : {"", "--causal", "--no-magnetometer", "--calibration calibration.json",
+                              "--columns time=time_s,acc=acc_x_m_s2:acc_y_m_s2:acc_z_m_s2,"
+                              "gyr=gyr_x_rad_s:gyr_y_rad_s:gyr_z_rad_s"}) {
+    const Json json = run_json(std::string("orient tumble.csv -o orientation.csv --json ") + options,
+                               {"readings", "gyroscope", "magnetometer", "moving", "tilt_sd_deg"});
+    const std::string table = read_file("orientation.csv");
+    EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), json["readings"].get<long>() + 1);
+    const bool used = std::string(options).find("no-mag") == std::string::npos &&
+                      std::string(options).find("columns") == std::string::npos;
+    EXPECT_EQ(json["magnetometer"]["used"].get<bool>(), used) << options;
+  }
 }
 
 TEST(CommandLines, NetworkTakesEveryOption) {
