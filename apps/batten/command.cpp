@@ -339,6 +339,8 @@ int run(int argc, char** argv) {
   add_simulate(app);
   add_calibrate(app);
   add_orient(app);
+  add_capture(app);
+  add_replay(app);
   add_network(app);
   add_surface(app);
   add_sketch(app);

@@ -67,6 +67,8 @@ int run(int argc, char** argv);
 void add_simulate(CLI::App& app);
 void add_calibrate(CLI::App& app);
 void add_orient(CLI::App& app);
+void add_capture(CLI::App& app);
+void add_replay(CLI::App& app);
 void add_network(CLI::App& app);
 void add_surface(CLI::App& app);
 void add_sketch(CLI::App& app);

@@ -3,8 +3,10 @@
 #include "stroke_arguments.hpp"
 
 #include <memory>
+#include <optional>
 #include <string>
 
+#include "batten/capture/decode.hpp"
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
 #include "batten/core/units.hpp"
@@ -12,6 +14,7 @@
 #include "batten/io/mesh_io.hpp"
 #include "batten/io/network_io.hpp"
 #include "batten/io/scan_io.hpp"
+#include "batten/io/sensor_log_io.hpp"
 #include "batten/io/standard_streams.hpp"
 #include "batten/network/resample.hpp"
 #include "batten/strokes/snapping.hpp"
@@ -21,7 +24,7 @@ namespace batten::cli {
 namespace {
 
 struct ConvertArguments {
-  std::string in, out, resample, weld, columns, unit;
+  std::string in, out, resample, weld, columns, unit, calibration, wheel;
   bool ascii = false, sketch = false;
 };
 
@@ -146,11 +149,66 @@ void convert_scan(const ConvertArguments& arguments, Outcome& outcome) {
       concat(arguments.out, ": ", scan.scan.curves.size(), " curves, ", n_readings, " readings"));
 }
 
+/// A recording of `batten capture` into a sensor log or, with orientations, into a scan.
+void convert_recording(const ConvertArguments& arguments, Outcome& outcome) {
+  require(arguments.resample.empty() && arguments.weld.empty() && !arguments.sketch,
+          "--resample, --weld and --sketch are for networks; " + arguments.in + " is a recording");
+  const std::string format = output_extension(arguments.out, "rawnet");
+  if (format != "rawnet" && format != "csv")
+    throw FileError(arguments.out, 0, "a recording is written as .rawnet (a scan) or .csv (a sensor log)");
+  DecodedRecording decoded;
+  std::optional<LogScan> scan;
+  std::optional<Calibration> calibration;
+  if (!arguments.calibration.empty()) calibration = read_calibration(arguments.calibration);
+  DecodeOptions options;
+  if (!arguments.wheel.empty()) options.wheel_m = parse_length(arguments.wheel).value;
+  {
+    const ScopedStage stage(outcome.times, "decode");
+    try {
+      decoded = decode_recording(read_recording(arguments.in), options);
+      if (format == "rawnet") scan = scan_from_recording(decoded, calibration);
+    } catch (const FileError&) {
+      throw;
+    } catch (const InvalidInput& error) {
+      throw FileError(arguments.in, 0, error.what());
+    }
+  }
+  outcome.warnings = decoded.warnings;
+  {
+    const ScopedStage stage(outcome.times, "write");
+    if (scan) {
+      outcome.warnings.insert(outcome.warnings.end(), scan->warnings.begin(), scan->warnings.end());
+      write_rawnet(scan->scan, arguments.out);
+    } else {
+      if (decoded.has_orientations())
+        outcome.warnings.emplace_back(
+            "a sensor log has no place for the orientations of the device itself; .rawnet has");
+      write_sensor_log(decoded.log, arguments.out);
+    }
+  }
+  const DecodeReport& report = decoded.report;
+  outcome.figures["kind"] = scan ? "scan" : "log";
+  outcome.figures["curves"] = decoded.log.curves.size();
+  outcome.figures["readings"] = decoded.log.n_readings();
+  outcome.figures["packets"] = report.n_packets;
+  outcome.figures["lines"] = report.n_lines;
+  outcome.figures["refused"] = report.n_refused;
+  outcome.figures["duplicates"] = report.n_duplicates;
+  outcome.figures["missing"] = report.n_missing;
+  outcome.figures["form"] = report.form ? Json(std::string(word_of(report.form->form))) : Json(nullptr);
+  outcome.lines.push_back(concat(arguments.out, ": ", decoded.log.curves.size(), " curves, ",
+                                 decoded.log.n_readings(), " readings, ", report.n_refused, " refused"));
+}
+
 Outcome run_convert(const ConvertArguments& arguments, const Context& context) {
   Outcome outcome;
   outcome.figures["in"] = arguments.in;
   outcome.figures["out"] = arguments.out;
   const std::string extension = input_extension(arguments.in);
+  if (extension == "blog") {
+    convert_recording(arguments, outcome);
+    return outcome;
+  }
   if (extension == "rawnet" || extension == "csv" || !arguments.columns.empty()) {
     convert_scan(arguments, outcome);
     return outcome;
@@ -180,12 +238,23 @@ std::string length_problem(const std::string& text) {
 
 void add_convert(CLI::App& app) {
   auto arguments = std::make_shared<ConvertArguments>();
-  CLI::App* command = add_command(app, "convert", "Write a mesh, a network or a scan in another format.",
-                                  "batten convert sketch.obj net.json --weld 0.5% --resample 1.6%",
-                                  [arguments](Context& context) { return run_convert(*arguments, context); });
-  command->add_option("IN", arguments->in, "Mesh, network or scan")->required();
+  CLI::App* command =
+      add_command(app, "convert", "Write a mesh, a network, a scan or a recording in another format.",
+                  "batten convert sketch.obj net.json --weld 0.5% --resample 1.6%",
+                  [arguments](Context& context) { return run_convert(*arguments, context); });
+  command->add_option("IN", arguments->in, "Mesh, network, scan, or recording of batten capture (.blog)")
+      ->required();
   command->add_option("OUT", arguments->out, "File to write; its extension decides the format")->required();
   add_columns_option(*command, arguments->columns);
+  command->add_option("--calibration", arguments->calibration,
+                      "Recordings: calibration of the device (.json) in place of the one in the recording");
+  command
+      ->add_option("--wheel", arguments->wheel,
+                   "Recordings: circumference of a Morphorider's wheel, such as 62.8mm")
+      ->check(parses("LENGTH", [](const std::string& text) {
+        if (parse_length(text).kind == Length::Kind::Relative)
+          throw InvalidInput(concat("the wheel must be a length, got ", text));
+      }));
   command
       ->add_option("--weld", arguments->weld,
                    "Networks: make curves meet that come this near to each other (2mm, 0.5%)")
