@@ -1,5 +1,6 @@
 #include "command.hpp"
 
+#include "command_group.hpp"
 #include "report_page.hpp"
 #include "shell_help.hpp"
 #include "suggestions.hpp"
@@ -123,7 +124,7 @@ void print(const Outcome& outcome) {
     return;
   }
   Json object = Json::object();
-  object["command"] = chosen.command->get_name();
+  object["command"] = command_words(*chosen.command);
   for (const auto& [key, value] : outcome.figures.items()) object[key] = value;
   object["options"] = option_values(*chosen.command);
   Json seconds = Json::object();
@@ -299,7 +300,9 @@ CLI::Validator parses(const std::string& form, std::function<void(const std::str
 namespace {
 
 /// What a mistyped command or option was most likely meant to be, as a sentence, or nothing.
-std::string suggestion(const CLI::App& app, const std::vector<std::string>& arguments) {
+/// @param words of the commands before `arguments`.
+std::string suggestion(const CLI::App& app, const std::vector<std::string>& arguments,
+                       const std::string& words = "batten") {
   if (arguments.empty()) return {};
   std::vector<std::string> names;
   const CLI::App* command = nullptr;
@@ -311,9 +314,11 @@ std::string suggestion(const CLI::App& app, const std::vector<std::string>& argu
     if (arguments[0].rfind('-', 0) == 0) return {};
     const std::string nearest = nearest_name(arguments[0], names);
     return concat("there is no command '", arguments[0], "'; ",
-                  nearest.empty() ? std::string("run batten --help for all of them")
+                  nearest.empty() ? concat("run ", words, " --help for all of them")
                                   : concat("did you mean ", nearest, "?"));
   }
+  if (!command->get_subcommands({}).empty())
+    return suggestion(*command, {arguments.begin() + 1, arguments.end()}, concat(words, " ", arguments[0]));
   std::vector<std::string> options;
   for (const CLI::Option* option : command->get_options())
     for (const std::string& name : option->get_lnames()) options.push_back("--" + name);
@@ -322,8 +327,8 @@ std::string suggestion(const CLI::App& app, const std::vector<std::string>& argu
     if (given.rfind("--", 0) != 0 || given.size() < 4) continue;
     if (std::find(options.begin(), options.end(), given) != options.end()) continue;
     const std::string nearest = nearest_name(given, options);
-    return concat("batten ", arguments[0], " has no option ", given, "; ",
-                  nearest.empty() ? concat("run batten ", arguments[0], " --help for all of them")
+    return concat(words, " ", arguments[0], " has no option ", given, "; ",
+                  nearest.empty() ? concat("run ", words, " ", arguments[0], " --help for all of them")
                                   : concat("did you mean ", nearest, "?"));
   }
   return {};
@@ -356,6 +361,7 @@ int run(int argc, char** argv) {
   add_simplify(app);
   add_deform(app);
   add_report(app);
+  add_rig(app);
   const ShellHelp help(app);
   try {
     app.parse(argc, argv);

@@ -1,5 +1,7 @@
 #include "report_page.hpp"
 
+#include "command_group.hpp"
+
 #include <string>
 #include <utility>
 #include <vector>
@@ -44,7 +46,7 @@ void add_tables(const std::string& title, const Json& object, std::vector<Report
 }
 
 std::string command_line(const CLI::App& command) {
-  std::string line = "batten " + command.get_name();
+  std::string line = "batten " + command_words(command);
   const auto quoted = [](const std::string& text) {
     return text.find_first_of(" '\"$&;()*?") == std::string::npos ? text : "\"" + text + "\"";
   };
@@ -62,7 +64,7 @@ std::string command_line(const CLI::App& command) {
 void write_report(const std::string& path, const CLI::App& command, const Outcome& outcome,
                   const Progress& progress) {
   Report report;
-  report.title = "batten " + command.get_name();
+  report.title = "batten " + command_words(command);
   report.version = BATTEN_VERSION;
   report.command_line = command_line(command);
   for (const CLI::Option* option : command.get_options()) {

@@ -1,5 +1,7 @@
 #include "shell_help.hpp"
 
+#include "command_group.hpp"
+
 #include <algorithm>
 #include <string_view>
 #include <vector>
@@ -12,6 +14,21 @@ namespace {
 
 std::vector<const CLI::App*> commands_of(const CLI::App& app) {
   return app.get_subcommands([](const CLI::App*) { return true; });
+}
+
+/// A command that does work, with its words: those of groups stand in their place.
+struct Leaf {
+  std::string words;
+  const CLI::App* command;
+};
+std::vector<Leaf> leaves_of(const CLI::App& app) {
+  std::vector<Leaf> leaves;
+  for (const CLI::App* command : commands_of(app)) {
+    const std::vector<const CLI::App*> inner = commands_of(*command);
+    if (inner.empty()) leaves.push_back({command_words(*command), command});
+    for (const CLI::App* each : inner) leaves.push_back({command_words(*each), each});
+  }
+  return leaves;
 }
 
 /// The options of a command but those without a name, which are its arguments.
@@ -74,25 +91,33 @@ std::string single_quoted(std::string_view text) {
 
 std::string bash_completion(const CLI::App& app) {
   std::vector<std::string> commands;
-  std::string values, options;
+  std::string values, options, groups;
   for (const CLI::App* command : commands_of(app)) {
     commands.push_back(command->get_name());
+    std::vector<std::string> inner;
+    for (const CLI::App* each : commands_of(*command)) inner.push_back(each->get_name());
+    if (!inner.empty())
+      groups += concat(
+          "    ", command->get_name(),
+          ")\n      if ((COMP_CWORD == 2)); then\n        COMPREPLY=($(compgen -W '", joined(inner, " "),
+          "' -- \"$word\"))\n        return\n      fi\n      command=\"$command ${COMP_WORDS[2]}\" ;;\n");
+  }
+  for (const Leaf& leaf : leaves_of(app)) {
     std::vector<std::string> names;
-    for (const CLI::Option* option : options_of(*command)) {
+    for (const CLI::Option* option : options_of(*leaf.command)) {
       const std::vector<std::string> words = words_of(*option);
       for (const std::string& name : names_of(*option)) {
         names.push_back(name);
         if (!words.empty())
-          values +=
-              concat("    '", command->get_name(), " ", name, "') words='", joined(words, " "), "' ;;\n");
+          values += concat("    '", leaf.words, " ", name, "') words='", joined(words, " "), "' ;;\n");
       }
     }
-    options += concat("      ", command->get_name(), ") words='", joined(names, " "), "' ;;\n");
+    options += concat("      '", leaf.words, "') words='", joined(names, " "), "' ;;\n");
     std::string first;
-    for (const CLI::Option* argument : arguments_of(*command))
+    for (const CLI::Option* argument : arguments_of(*leaf.command))
       if (first.empty()) first = joined(words_of(*argument), " ");
     if (!first.empty())
-      values += concat("    '", command->get_name(), " ", command->get_name(), "') words='", first, "' ;;\n");
+      values += concat("    '", leaf.words, " ", leaf.command->get_name(), "') words='", first, "' ;;\n");
   }
   return concat(
       "# Completion of batten for bash: source <(batten completion bash)\n"
@@ -106,6 +131,9 @@ std::string bash_completion(const CLI::App& app) {
       " --help --version' -- \"$word\"))\n"
       "    return\n"
       "  fi\n"
+      "  case $command in\n",
+      groups,
+      "  esac\n"
       "  case \"$command $previous\" in\n",
       values,
       "  esac\n"
@@ -125,12 +153,22 @@ std::string bash_completion(const CLI::App& app) {
 }
 
 std::string zsh_completion(const CLI::App& app) {
-  std::string commands, cases;
+  std::string commands, cases, groups;
   for (const CLI::App* command : commands_of(app)) {
     commands += concat(
         "    ", single_quoted(concat(command->get_name(), ":", escaped(command->get_description(), ":"))),
         "\n");
-    cases += concat("    ", command->get_name(), ")\n      _arguments");
+    std::vector<std::string> inner;
+    for (const CLI::App* each : commands_of(*command)) inner.push_back(each->get_name());
+    if (!inner.empty())
+      groups += concat("    ", command->get_name(), ")\n      if ((CURRENT == 2)); then\n        compadd ",
+                       joined(inner, " "),
+                       "\n        return\n      fi\n      command=\"$command $words[2]\"\n      shift words\n"
+                       "      ((CURRENT--))\n      ;;\n");
+  }
+  for (const Leaf& leaf : leaves_of(app)) {
+    const CLI::App* command = leaf.command;
+    cases += concat("    '", leaf.words, "')\n      _arguments");
     for (const CLI::Option* option : options_of(*command)) {
       const std::vector<std::string> words = words_of(*option);
       for (const std::string& name : names_of(*option)) {
@@ -152,7 +190,7 @@ std::string zsh_completion(const CLI::App& app) {
       commands,
       "  )\n  if ((CURRENT == 2)); then\n    _describe command commands\n    return\n  fi\n"
       "  local command=$words[2]\n  shift words\n  ((CURRENT--))\n  case $command in\n",
-      cases,
+      groups, "  esac\n  case $command in\n", cases,
       "  esac\n}\n"
       "if [[ $funcstack[1] == _batten ]]; then\n  _batten \"$@\"\nelse\n  compdef _batten batten\nfi\n");
 }
@@ -162,7 +200,16 @@ std::string fish_completion(const CLI::App& app) {
   for (const CLI::App* command : commands_of(app)) {
     text += concat("complete -c batten -n __fish_use_subcommand -f -a ", command->get_name(), " -d ",
                    single_quoted(command->get_description()), "\n");
-    const std::string condition = concat("'__fish_seen_subcommand_from ", command->get_name(), "'");
+    for (const CLI::App* each : commands_of(*command))
+      text += concat("complete -c batten -n '__fish_seen_subcommand_from ", command->get_name(), "' -f -a ",
+                     each->get_name(), " -d ", single_quoted(each->get_description()), "\n");
+  }
+  for (const auto& [typed, command] : leaves_of(app)) {
+    const std::size_t blank = typed.find(' ');
+    std::string condition = concat("'__fish_seen_subcommand_from ", typed.substr(0, blank));
+    if (blank != std::string::npos)
+      condition += concat("; and __fish_seen_subcommand_from ", typed.substr(blank + 1));
+    condition += "'";
     for (const CLI::Option* option : options_of(*command)) {
       text += concat("complete -c batten -n ", condition);
       for (const std::string& name : option->get_snames()) text += concat(" -s ", name);
@@ -247,18 +294,30 @@ std::string manual_page(const CLI::App& app, const CLI::App* command) {
         others, "\n");
   }
   std::string page = heading("batten-" + command->get_name(), command->get_description());
-  page += concat(".SH SYNOPSIS\n.B batten ", command->get_name(), "\n");
-  for (const CLI::Option* argument : arguments_of(*command))
-    page += concat("\\fI", troff(argument->get_single_name()), "\\fR\n");
-  page += "[\\fIOPTION\\fR]...\n";
-  if (!arguments_of(*command).empty()) {
-    page += ".SH ARGUMENTS\n";
-    add_options(arguments_of(*command), page);
+  std::vector<Leaf> parts{{command->get_name(), command}};
+  if (!commands_of(*command).empty()) parts = leaves_of(app);
+  page += ".SH SYNOPSIS\n";
+  for (const Leaf& part : parts) {
+    if (part.command != command && part.command->get_parent() != command) continue;
+    page += concat(".B batten ", part.words, "\n");
+    for (const CLI::Option* argument : arguments_of(*part.command))
+      page += concat("\\fI", troff(argument->get_single_name()), "\\fR\n");
+    page += "[\\fIOPTION\\fR]...\n.br\n";
   }
-  page += ".SH OPTIONS\n";
-  add_options(options_of(*command), page);
-  page += concat(kExitStatus, ".SH EXAMPLE\n.nf\n", troff(command->get_footer()),
-                 "\n.fi\n.SH SEE ALSO\n.BR batten (1)\n");
+  for (const Leaf& part : parts) {
+    if (part.command != command && part.command->get_parent() != command) continue;
+    if (part.command != command)
+      page += concat(".SH ", escaped(part.words, "\""), "\n", troff(part.command->get_description()), "\n");
+    if (!arguments_of(*part.command).empty()) {
+      page += part.command == command ? ".SH ARGUMENTS\n" : ".SS Arguments\n";
+      add_options(arguments_of(*part.command), page);
+    }
+    page += part.command == command ? ".SH OPTIONS\n" : ".SS Options\n";
+    add_options(options_of(*part.command), page);
+    page += concat(part.command == command ? ".SH EXAMPLE\n.nf\n" : ".SS Example\n.nf\n",
+                   troff(part.command->get_footer()), "\n.fi\n");
+  }
+  page += concat(kExitStatus, ".SH SEE ALSO\n.BR batten (1)\n");
   return page;
 }
 
