@@ -348,6 +348,8 @@ int run(int argc, char** argv) {
   add_replay(app);
   add_network(app);
   add_surface(app);
+  add_track(app);
+  add_pen(app);
   add_sketch(app);
   add_reconstruct(app);
   add_subdivide(app);

@@ -71,6 +71,8 @@ void add_capture(CLI::App& app);
 void add_replay(CLI::App& app);
 void add_network(CLI::App& app);
 void add_surface(CLI::App& app);
+void add_track(CLI::App& app);
+void add_pen(CLI::App& app);
 void add_sketch(CLI::App& app);
 void add_reconstruct(CLI::App& app);
 void add_compare(CLI::App& app);

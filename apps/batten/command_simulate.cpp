@@ -1,4 +1,5 @@
 #include "command.hpp"
+#include "pen_arguments.hpp"
 
 #include <cmath>
 #include <memory>
@@ -36,6 +37,7 @@ struct SimulateArguments {
   int planes = MeshSectionOptions().planes;
   bool raw = false;
   bool distortion = true;
+  SimulatePenArguments pen;
 };
 
 CLI::Validator length_text() {
@@ -179,6 +181,8 @@ void add_figures(Json& figures, const SimulatedObject& object, const SimulatedSc
 }
 
 Outcome run_simulate(const SimulateArguments& arguments) {
+  if (arguments.object == "pen")
+    return run_simulate_pen(arguments.pen, arguments.output, arguments.truth, arguments.seed);
   Outcome outcome;
   check_outputs(arguments, outcome);
   SimulateOptions options = options_of(arguments);
@@ -243,12 +247,16 @@ void add_simulate(CLI::App& app) {
       [arguments](Context&) { return run_simulate(*arguments); });
   command
       ->add_option("object", a.object,
-                   "sphere, sphere6, ellipsoid, torus, bumpycube, saddle, waves, dish, cone, or a mesh file "
-                   "(ply, obj, off, stl)")
+                   "sphere, sphere6, ellipsoid, torus, bumpycube, saddle, waves, dish, cone, a mesh file "
+                   "(ply, obj, off, stl), or pen: what two cameras see of one that draws")
       ->required();
-  command->add_option("-o,--output", a.output, "The scan, .rawnet; with --raw a sensor log, .csv")
+  command
+      ->add_option("-o,--output", a.output,
+                   "The scan, .rawnet; with --raw a sensor log, .csv; of a pen its blobs, .jsonl")
       ->required();
-  command->add_option("--truth", a.truth, "Write the true surface as a mesh (.ply, .obj, .off, .stl)");
+  command->add_option(
+      "--truth", a.truth,
+      "Write the true surface as a mesh (.ply, .obj, .off, .stl); of a pen its true poses (.csv)");
   command->add_option("--truth-network", a.truth_network, "Write the true curves (.net, .obj, .json)");
   command->add_option("--seed", a.seed, "Seed of all random numbers");
   command->add_option("--step", a.step, "Mean distance between readings")->check(length_text());
@@ -286,6 +294,7 @@ void add_simulate(CLI::App& app) {
       ->check(length_text());
   command->add_option("--truth-edge", a.truth_edge, "Length of the edges of a shape's true mesh")
       ->check(length_text());
+  add_simulate_pen_options(*command, a.pen);
 }
 
 }  // namespace batten::cli
