@@ -1,4 +1,5 @@
 #include "command.hpp"
+#include "command_group.hpp"
 #include "pen_arguments.hpp"
 
 #include <memory>
@@ -67,8 +68,7 @@ Outcome run_pen_calibrate(const PenArguments& arguments) {
 }  // namespace
 
 void add_pen(CLI::App& app) {
-  CLI::App* group = app.add_subcommand("pen", "Calibrate a pen with LEDs.");
-  group->require_subcommand(1);
+  CLI::App* group = add_group(app, "pen", "Calibrate a pen with LEDs");
   auto arguments = std::make_shared<PenArguments>();
   CLI::App* command =
       add_command(*group, "calibrate", "Find the tip and the LEDs of a pen that turns about its tip",

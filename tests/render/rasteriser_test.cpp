@@ -16,7 +16,7 @@ using Eigen::Vector3d;
 constexpr int kSize = 120;
 
 /// Straight down onto the square [−1, 1]², which fills the picture: x right, y up.
-Camera from_above() {
+PictureCamera from_above() {
   const Points square = (Points(4, 3) << -1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0).finished();
   View view = parse_view("top");
   view.perspective = false;
@@ -28,7 +28,7 @@ Colour black(double) {
 }
 
 /// The pixel that shows a point.
-const std::uint8_t* pixel(const Image& image, const Camera& camera, const Vector3d& world) {
+const std::uint8_t* pixel(const Image& image, const PictureCamera& camera, const Vector3d& world) {
   const Vector3d at = camera.project(camera.to_camera(world));
   return image.at(static_cast<int>(at.x()), static_cast<int>(at.y()));
 }
@@ -46,7 +46,7 @@ double light(const Image& image) {
 // Half the square is half the light, whatever the samples; the weights that the shader gets are those of the
 // point it is asked for.
 TEST(Rasterise, CoversATriangleAndInterpolatesOverIt) {
-  const Camera camera = from_above();
+  const PictureCamera camera = from_above();
   Scene scene;
   scene.positions = (Points(3, 3) << -1, -1, 0, 1, -1, 0, 1, 1, 0).finished();
   scene.triangles = (Triangles(1, 3) << 0, 1, 2).finished();
@@ -74,7 +74,7 @@ TEST(Rasterise, CoversATriangleAndInterpolatesOverIt) {
 
 // The nearer of two hides the other, in whichever order they come; equal ones go to the lower index.
 TEST(Rasterise, ShowsTheNearestAndOfEqualOnesTheFirst) {
-  const Camera camera = from_above();
+  const PictureCamera camera = from_above();
   for (const double upper : {-0.3, 0.0, 0.3}) {
     Scene scene;
     scene.positions =
@@ -96,7 +96,7 @@ TEST(Rasterise, ShowsTheNearestAndOfEqualOnesTheFirst) {
 // A tube of the radius r over the length l covers 2 r l, with half a disc at each end: π r². What lies before
 // it hides it.
 TEST(Rasterise, TubesHaveTheirWidthAndAreHidden) {
-  const Camera camera = from_above();
+  const PictureCamera camera = from_above();
   const double per_unit = kSize / 2.0, radius = 6;
   Scene scene;
   scene.positions = Points(0, 3);

@@ -22,7 +22,7 @@ struct BlobFrame {
 };
 
 /// A reading of the inertial sensor in the pen, in its own axes.
-struct InertialReading {
+struct PenInertialReading {
   double time = 0;                ///< seconds
   Eigen::Vector3d gyroscope;      ///< rad/s
   Eigen::Vector3d accelerometer;  ///< specific force, m/s²
@@ -39,7 +39,7 @@ struct ButtonEvent {
 /// time.
 struct BlobRecording {
   std::vector<BlobFrame> frames;
-  std::vector<InertialReading> inertial;
+  std::vector<PenInertialReading> inertial;
   std::vector<ButtonEvent> buttons;
   int width = 0, height = 0;  ///< of the images, pixels; 0: not known
 };

@@ -130,7 +130,7 @@ class SimulatedDevice {
   Random noise_, faults_;
   bool started_ = false;
   std::int64_t start_us_ = 0, counting_since_us_ = 0;
-  long n_samples_ = 0, next_sample_ = 0;
+  long next_sample_ = 0;
   double ticks_zero_m_ = 0;
   std::uint32_t index_ = 0, seq_ = 0;
   bool restarted_ = false, rebooted_ = false;

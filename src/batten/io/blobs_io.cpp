@@ -194,7 +194,7 @@ std::string format_blobs(const BlobRecording& recording) {
     }
     text += "]}\n";
   }
-  for (const InertialReading& reading : recording.inertial) {
+  for (const PenInertialReading& reading : recording.inertial) {
     text += "{\"time\":" + exact_decimal(reading.time) + ",\"gyroscope\":";
     append_vector(text, reading.gyroscope);
     text += ",\"accelerometer\":";

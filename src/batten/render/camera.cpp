@@ -44,7 +44,8 @@ View parse_view(std::string_view text) {
   return view;
 }
 
-Camera::Camera(const Points& points, const View& view, double left, double top, double width, double height)
+PictureCamera::PictureCamera(const Points& points, const View& view, double left, double top, double width,
+                             double height)
     : perspective_(view.perspective) {
   if (!(view.zoom > 0)) throw InvalidInput(concat("the zoom must be above 0, got ", view.zoom));
   const double a = radians(view.azimuth_deg), e = radians(view.elevation_deg);
@@ -102,17 +103,17 @@ Camera::Camera(const Points& points, const View& view, double left, double top, 
   depth_range_ = raw_depth(high_seen.z() + 0.05 * extent) - far_;
 }
 
-Vector3d Camera::project(const Vector3d& p) const {
+Vector3d PictureCamera::project(const Vector3d& p) const {
   const double w = perspective_ ? distance_ - p.z() : 1;
   return {centre_x_ + scale_ * p.x() / w, centre_y_ - scale_ * p.y() / w,
           (raw_depth(p.z()) - far_) / depth_range_};
 }
 
-Vector3d Camera::towards_viewer(const Vector3d& p) const {
+Vector3d PictureCamera::towards_viewer(const Vector3d& p) const {
   return perspective_ ? (Vector3d(0, 0, distance_) - p).normalized() : Vector3d(0, 0, 1);
 }
 
-void Camera::ray(double pixel_x, double pixel_y, Vector3d& origin, Vector3d& direction) const {
+void PictureCamera::ray(double pixel_x, double pixel_y, Vector3d& origin, Vector3d& direction) const {
   const double x = (pixel_x - centre_x_) / scale_, y = (centre_y_ - pixel_y) / scale_;
   if (perspective_) {
     origin = Vector3d(x * distance_, y * distance_, 0);
@@ -123,7 +124,7 @@ void Camera::ray(double pixel_x, double pixel_y, Vector3d& origin, Vector3d& dir
   }
 }
 
-double Camera::pixel_size(const Vector3d& p) const {
+double PictureCamera::pixel_size(const Vector3d& p) const {
   return (perspective_ ? distance_ - p.z() : 1) / scale_;
 }
 

@@ -22,11 +22,11 @@ View parse_view(std::string_view text);
 
 /// A camera that shows all of a set of points. Its coordinates: x right, y up, z towards the viewer, origin
 /// in the middle of the model. Pixels: x right, y down, origin in the upper left corner.
-class Camera {
+class PictureCamera {
  public:
   /// @param left, top, width, height of the part of the picture that the points fill, in pixels.
   /// @throws InvalidInput when no point is finite.
-  Camera(const Points& points, const View& view, double left, double top, double width, double height);
+  PictureCamera(const Points& points, const View& view, double left, double top, double width, double height);
 
   Eigen::Vector3d to_camera(const Eigen::Vector3d& world) const { return rotation_ * (world - target_); }
   /// Rotation from world to camera.

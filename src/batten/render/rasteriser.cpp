@@ -128,14 +128,15 @@ bool across_tube(const FlatTube& tube, const Vector2d& p, double& along, double&
 }
 
 /// The point of the axis in camera coordinates, moved towards the viewer to the surface of the lifted tube.
-Vector3d on_tube(const FlatTube& tube, const Camera& camera, int samples, double along, double across) {
+Vector3d on_tube(const FlatTube& tube, const PictureCamera& camera, int samples, double along,
+                 double across) {
   const Vector3d axis = (1 - along) * tube.camera_a + along * tube.camera_b;
   const double radius = tube.radius / samples * camera.pixel_size(axis);
   return axis +
          (kLift + std::sqrt(std::max(0.0, 1 - across * across))) * radius * camera.towards_viewer(axis);
 }
 
-void fill_tube(Buffer& buffer, const FlatTube& tube, const Camera& camera, int samples, int item) {
+void fill_tube(Buffer& buffer, const FlatTube& tube, const PictureCamera& camera, int samples, int item) {
   const Vector2d b = tube.a + tube.ab;
   const int x0 = static_cast<int>(std::max(0.0, std::floor(std::min(tube.a.x(), b.x()) - tube.radius)));
   const int x1 =
@@ -156,7 +157,7 @@ void fill_tube(Buffer& buffer, const FlatTube& tube, const Camera& camera, int s
 /// A scene as one camera sees it, drawn in bands of rows.
 class Rasteriser {
  public:
-  Rasteriser(const Scene& scene, const Camera& camera, int samples)
+  Rasteriser(const Scene& scene, const PictureCamera& camera, int samples)
       : scene_(scene),
         camera_(camera),
         samples_(samples),
@@ -265,7 +266,7 @@ class Rasteriser {
   }
 
   const Scene& scene_;
-  const Camera& camera_;
+  const PictureCamera& camera_;
   int samples_;
   Points in_camera_, in_picture_;  ///< of the vertices; the picture counts samples
   std::vector<FlatTube> tubes_;
@@ -273,8 +274,9 @@ class Rasteriser {
 
 }  // namespace
 
-void rasterise(Image& image, const Scene& scene, const Camera& camera, int samples, const Shader& shader,
-               const std::function<Colour(double)>& background, const Progress& progress) {
+void rasterise(Image& image, const Scene& scene, const PictureCamera& camera, int samples,
+               const Shader& shader, const std::function<Colour(double)>& background,
+               const Progress& progress) {
   if (samples < 1 || samples > 8)
     throw InvalidInput(concat("samples must lie between 1 and 8, got ", samples));
   if (scene.triangles.rows() > 0 &&

@@ -42,7 +42,8 @@ using Shader = std::function<Colour(const Hit&)>;
 /// Draws a scene over a picture, `samples` × `samples` per pixel averaged in linear light, with a depth
 /// buffer. Deterministic: equal depths go to the lower index, whatever the number of threads.
 /// @param background colour of a row (0 top … 1 bottom) where nothing is.
-void rasterise(Image& image, const Scene& scene, const Camera& camera, int samples, const Shader& shader,
-               const std::function<Colour(double)>& background, const Progress& progress = {});
+void rasterise(Image& image, const Scene& scene, const PictureCamera& camera, int samples,
+               const Shader& shader, const std::function<Colour(double)>& background,
+               const Progress& progress = {});
 
 }  // namespace batten

@@ -321,7 +321,7 @@ struct Picture {
 class SurfaceShader {
  public:
   SurfaceShader(const Picture& picture, const RenderOptions& options, const std::optional<Mapping>& mapping,
-                const Camera& camera, double edge_half_width)
+                const PictureCamera& camera, double edge_half_width)
       : scene_(picture.scene),
         normals_(picture.normals),
         options_(options),
@@ -448,8 +448,8 @@ Image render(const Subject& subject, const RenderOptions& options, const Progres
   }
   const double margin = 0.05 * std::min(options.width, options.height);
   const double room = mapping ? detail::bar_width(options.width, options.height) : 0;
-  const Camera camera(picture.framed, options.view, margin, margin, options.width - 2 * margin - room,
-                      options.height - 2 * margin);
+  const PictureCamera camera(picture.framed, options.view, margin, margin, options.width - 2 * margin - room,
+                             options.height - 2 * margin);
   const SurfaceShader shader(picture, options, mapping, camera, 0.32 * radius);
   rasterise(image, picture.scene, camera, options.samples, shader, background, progress);
   if (mapping) detail::draw_bar(image, mapping->scale);

@@ -262,7 +262,7 @@ void read_inertial(const Scene& scene, BlobRecording& recording) {
         (scene.motion.at(time - e).tip - 2 * pose.tip + scene.motion.at(time + e).tip) / (e * e);
     // Down is +y of an upright rig; at rest the sensor feels what holds it, upwards.
     const Eigen::Vector3d force = X.transpose() * (acceleration - Eigen::Vector3d(0, kGravity, 0));
-    InertialReading reading;
+    PenInertialReading reading;
     reading.time = time;
     reading.gyroscope =
         scale.cwiseProduct(turn) + bias + kGyroscopeDensity * std::sqrt(kInertialRate) * random.normal3();
