@@ -46,7 +46,7 @@ Outcome reconstruct(const ReconstructArguments& arguments, Context& context) {
   const ScanNetwork scanned = network_from_scan(readings, scan, context.progress);
   report_network(arguments.network, scanned, network);
   report_surface(arguments.surface, network_surface(scanned.network, filling, context.progress),
-                 scanned.network, surface);
+                 scanned.network, context, surface);
 
   // The counts of what was made at the top, as every command has them; the figures of each stage by its name.
   for (const char* count : {"curves", "nodes", "segments", "cycles", "components", "boundary_loops",

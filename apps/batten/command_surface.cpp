@@ -28,12 +28,13 @@ Outcome run_surface(const Arguments& arguments, const Context& context) {
   }
   // Not by curves_surface(): the network of the strokes is reported and written even where filling it fails.
   if (curves.has_normals()) {
-    report_surface(arguments.surface, network_surface(curves, options, context.progress), curves, outcome);
+    report_surface(arguments.surface, network_surface(curves, options, context.progress), curves, context,
+                   outcome);
   } else {
     const StrokeNetwork strokes = run_strokes(arguments.strokes, curves, context, outcome);
     report_surface(arguments.surface,
                    network_surface(strokes.network, strokes.estimate.cycles, options, context.progress),
-                   strokes.network, outcome);
+                   strokes.network, context, outcome);
   }
   return outcome;
 }

@@ -5,7 +5,6 @@
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
 #include "batten/core/units.hpp"
-#include "batten/io/file.hpp"
 #include "batten/io/mesh_io.hpp"
 
 namespace batten::cli {
@@ -23,7 +22,10 @@ int parse_rebuilds(const std::string& text) {
 }  // namespace
 
 void check_surface_output(const SurfaceArguments& arguments) {
-  mesh_format(arguments.output);
+  if (!is_step_file(arguments.output))
+    mesh_format(arguments.output);
+  else
+    require_step();
 }
 
 NetworkSurfaceOptions surface_options(const SurfaceArguments& arguments) {
@@ -41,10 +43,16 @@ NetworkSurfaceOptions surface_options(const SurfaceArguments& arguments) {
 }
 
 void report_surface(const SurfaceArguments& arguments, NetworkSurface surface, const CurveNetwork& network,
-                    Outcome& outcome) {
+                    const Context& context, Outcome& outcome) {
   outcome.times.add(surface.times);
   outcome.warnings.insert(outcome.warnings.end(), surface.warnings.begin(), surface.warnings.end());
-  {
+  if (is_step_file(arguments.output)) {
+    const std::string unit = !arguments.unit.empty() ? arguments.unit
+                             : network.unit.empty()  ? "m"
+                                                     : network.unit;
+    write_step(arguments.output, surface.mesh, surface.patch_of_triangle, unit, arguments.step, context,
+               outcome);
+  } else {
     const ScopedStage stage(outcome.times, "write");
     write_mesh(arguments.output, surface.mesh);
   }
@@ -90,7 +98,10 @@ void report_surface(const SurfaceArguments& arguments, NetworkSurface surface, c
 }
 
 void add_surface_options(CLI::App& command, SurfaceArguments& arguments) {
-  command.add_option("-o,--output", arguments.output, "Mesh to write: .ply, .obj, .off or .stl")->required();
+  command
+      .add_option("-o,--output", arguments.output,
+                  "Mesh to write: .ply, .obj, .off, .stl, .glb or .3mf; or CAD faces: .step")
+      ->required();
   command
       .add_option("--rebuilds", arguments.rebuilds,
                   "Rebuilds of the Laplacian from the solved mesh: auto, or 0 to 20")
@@ -119,6 +130,11 @@ void add_surface_options(CLI::App& command, SurfaceArguments& arguments) {
         if (text != "auto" && parse_length(text).value <= 0)
           throw InvalidInput("--edge-length must be positive: " + text);
       }));
+  add_step_options(command, arguments.step);
+  command
+      .add_option("--unit", arguments.unit,
+                  "CAD: unit of the numbers, for the file's millimetres; that of the input, else m")
+      ->check(parses("UNIT", [](const std::string& text) { metres_per_unit(text); }));
   command
       .add_option("--max-triangles", arguments.max_triangles,
                   "Refuse surfaces that would have more triangles than this")

@@ -1,5 +1,6 @@
 #pragma once
 #include "command.hpp"
+#include "step_output.hpp"
 
 #include <string>
 
@@ -13,6 +14,8 @@ struct SurfaceArguments {
   std::string output, rebuilds = "auto", method = "curvature", constraints = "hard", map = "plane";
   std::string edge_length = "auto";
   std::string crossings = "flatten";  ///< or keep; of stroke sets alone
+  std::string unit;                   ///< for CAD; else that of the network, else m
+  StepArguments step;
   double soft_weight = 1, max_triangles = 20e6;
   int base_order = 2;
 };
@@ -28,6 +31,6 @@ NetworkSurfaceOptions surface_options(const SurfaceArguments& arguments);
 
 /// Writes the surface of `network` and adds figures, lines, warnings, times and the exhibit.
 void report_surface(const SurfaceArguments& arguments, NetworkSurface surface, const CurveNetwork& network,
-                    Outcome& outcome);
+                    const Context& context, Outcome& outcome);
 
 }  // namespace batten::cli

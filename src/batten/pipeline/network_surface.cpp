@@ -50,6 +50,7 @@ NetworkSurface checked(SurfaceResult surface, const CurveNetwork& network, const
   result.patches_in_space = surface.patches_in_space;
   result.folded_triangles = surface.folded_triangles;
   result.degenerate_triangles = surface.degenerate_triangles;
+  result.patch_of_triangle = std::move(surface.patch_of_triangle);
   result.mesh = without_loose_vertices(std::move(surface.mesh));
   {
     const ScopedStage stage(result.times, "check");

@@ -34,6 +34,7 @@ struct NetworkSurfaceOptions {
 /// A surface through a network, checked. Lengths in the unit of the network.
 struct NetworkSurface {
   TriangleMesh mesh;  ///< with the propagated normals; without vertices that no triangle uses
+  std::vector<int> patch_of_triangle;                     ///< the cycle that each triangle fills
   std::size_t n_curves = 0, n_nodes = 0, n_segments = 0;  ///< of the network
   int n_cycles = 0;
   MeshTopology topology;

@@ -1,0 +1,29 @@
+#pragma once
+#include "command.hpp"
+
+#include <string>
+#include <vector>
+
+#include "batten/mesh/triangle_mesh.hpp"
+#include "batten/pipeline/step_surface.hpp"
+
+namespace batten::cli {
+
+/// How surfaces of patches are written for CAD, as `surface`, `reconstruct` and `sketch` share it.
+struct StepArguments {
+  std::string tolerance = "0.01%";
+  int max_patches = SplineFacesOptions{}.most_patches;
+};
+
+void add_step_options(CLI::App& command, StepArguments& arguments);
+
+/// By its extension, .step or .stp.
+bool is_step_file(const std::string& path);
+
+/// Writes the faces of a mesh of patches and adds figures ("step"), a line, warnings and times.
+/// @param unit of the mesh, a length. @throws InvalidInput where it is none, and as step_surface().
+void write_step(const std::string& path, const TriangleMesh& mesh, const std::vector<int>& patch_of_triangle,
+                const std::string& unit, const StepArguments& arguments, const Context& context,
+                Outcome& outcome);
+
+}  // namespace batten::cli
