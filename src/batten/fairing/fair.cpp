@@ -39,10 +39,10 @@ Points fair_by_total_variation(const Points& positions, const Triangles& triangl
 }
 
 /// One run of fair() by a given method.
-class FairingRun {
+class SmoothingRun {
  public:
-  FairingRun(const Points& positions, const Triangles& triangles, const FairingOptions& options,
-             const Progress& progress)
+  SmoothingRun(const Points& positions, const Triangles& triangles, const FairingOptions& options,
+               const Progress& progress)
       : positions_(positions), triangles_(triangles), options_(options), progress_(progress) {}
 
   FairingResult run() {
@@ -158,7 +158,7 @@ FairingResult fair(const Points& positions, const Triangles& triangles, const Fa
                    const Progress& progress) {
   if (const auto problem = options.problem()) throw InvalidInput(*problem);
   fairing_detail::fixed_vertices(positions, triangles, false);  // checks the mesh
-  return FairingRun(positions, triangles, options, progress).run();
+  return SmoothingRun(positions, triangles, options, progress).run();
 }
 
 }  // namespace batten

@@ -38,12 +38,12 @@ CoonsPatch patch_over_square(const PlanePoints& square, const Points& points) {
 
 /// What decides into how many parts the sides of a face are divided.
 FaceSides measures_of(const PolylineMesh& mesh, const SketchFace& face) {
-  constexpr int kSamples = 8;
+  constexpr int kSamplesPerEdge = 8;
   FaceSides measures;
   std::vector<Points> sides;
   for (const int side : face.sides) {
     const SketchEdge& edge = mesh.edge(edge_of(side));
-    Points samples = course_of_edge(mesh, edge, kSamples);
+    Points samples = course_of_edge(mesh, edge, kSamplesPerEdge);
     if (side & 1) samples = samples.colwise().reverse().eval();
     measures.edges.push_back(edge_of(side));
     measures.lengths.push_back(polyline_length(samples));

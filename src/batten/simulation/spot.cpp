@@ -9,7 +9,7 @@ namespace batten {
 namespace {
 
 constexpr double kRoundingVariance = 1.0 / 12;  // of a value rounded to whole grey levels
-constexpr double kWhite = 255;
+constexpr double kWhiteLevel = 255;
 
 /// ∫ of exp(−(t − c)²/(2σ²)) over one pixel from `from`, and its derivative by c.
 double integral(double from, double centre, double sigma, double* derivative) {
@@ -38,7 +38,7 @@ Eigen::Matrix2d centre_bound(const Spot& spot, const SensorNoise& noise) {
     for (int x = column - radius; x <= column + radius; ++x) {
       Eigen::Vector2d slope;
       const double level = grey_level(spot, x, y, &slope);
-      if (level >= kWhite) continue;
+      if (level >= kWhiteLevel) continue;
       information +=
           slope * slope.transpose() / (noise.read * noise.read + kRoundingVariance + noise.shot * level);
     }
