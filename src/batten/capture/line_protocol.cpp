@@ -127,11 +127,18 @@ DeviceHeader parse_header(std::string_view line) {
   return header;
 }
 
+/// What samples and presses of buttons begin with.
+template <typename Message>
+Message parse_head(const std::vector<std::string_view>& fields, std::size_t n_fields) {
+  expect_fields(fields, n_fields);
+  Message message;
+  message.seq = parse_counter(fields[1], "a running number");
+  message.t_us = parse_counter(fields[2], "a time in microseconds");
+  return message;
+}
+
 LineMessage parse_sample(const std::vector<std::string_view>& fields) {
-  expect_fields(fields, 13);
-  RawSample sample;
-  sample.seq = parse_counter(fields[1], "a running number");
-  sample.t_us = parse_counter(fields[2], "a time in microseconds");
+  RawSample sample = parse_head<RawSample>(fields, 13);
   sample.ticks = parse_ticks(fields[3]);
   sample.accelerometer = parse_vector(fields, 4, "an acceleration");
   sample.gyroscope = parse_vector(fields, 7, "an angular rate");
@@ -140,10 +147,7 @@ LineMessage parse_sample(const std::vector<std::string_view>& fields) {
 }
 
 LineMessage parse_fused(const std::vector<std::string_view>& fields) {
-  expect_fields(fields, 9);
-  FusedSample sample;
-  sample.seq = parse_counter(fields[1], "a running number");
-  sample.t_us = parse_counter(fields[2], "a time in microseconds");
+  FusedSample sample = parse_head<FusedSample>(fields, 9);
   sample.ticks = parse_ticks(fields[3]);
   Eigen::Vector4d q;
   for (std::size_t k = 0; k < 4; ++k)
@@ -157,10 +161,7 @@ LineMessage parse_fused(const std::vector<std::string_view>& fields) {
 }
 
 LineMessage parse_button(const std::vector<std::string_view>& fields) {
-  expect_fields(fields, 4);
-  ButtonPress press;
-  press.seq = parse_counter(fields[1], "a running number");
-  press.t_us = parse_counter(fields[2], "a time in microseconds");
+  ButtonPress press = parse_head<ButtonPress>(fields, 4);
   press.key = fields[3];
   if (press.key.empty() || press.key.size() > 32) throw InvalidInput("expected the name of a key");
   for (const char c : press.key)
