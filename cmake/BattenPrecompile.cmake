@@ -1,6 +1,6 @@
 # Headers of other libraries that most sources include, compiled once. Saves about a tenth of the time of a room or a test,
 # and seven seconds of every command's source.
-# A source still includes what it uses; builds without precompiled headers (a compiler cache, the browser) see to that.
+# A source still includes what it uses; builds without precompiled headers (with a compiler cache) see to that.
 #
 #   batten_precompile(<target> GROUP <name> HEADERS <eigen3/Eigen/Core>...)
 #

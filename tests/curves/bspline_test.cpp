@@ -32,6 +32,23 @@ TEST(CubicBasis, HasTheKnownValues) {
   for (int k = 0; k < 4; ++k) EXPECT_NEAR(bernstein.values[k], values[k], 1e-16);
 }
 
+TEST(CubicBasis, SlopesAreThoseOfDifferences) {
+  constexpr double kStep = 1e-6;
+  for (const bool periodic : {false, true})
+    for (const double u : {0.3, 1.5, 2.25, 3.8}) {
+      const CubicBasis basis = cubic_basis(u, 4, periodic), before = cubic_basis(u - kStep, 4, periodic),
+                       after = cubic_basis(u + kStep, 4, periodic);
+      for (std::size_t k = 0; k < 4; ++k)
+        EXPECT_NEAR(basis.slopes[k], (after.values[k] - before.values[k]) / (2 * kStep), 1e-9);
+    }
+  // Clamped: at the end the curve runs along its first two control points, three times as fast as over a
+  // span.
+  const CubicBasis end = cubic_basis(0, 4, false);
+  EXPECT_NEAR(end.slopes[0], -3, 1e-14);
+  EXPECT_NEAR(end.slopes[1], 3, 1e-14);
+  EXPECT_NEAR(end.slopes[2], 0, 1e-14);
+}
+
 // Marsden's identity: with the blossom of a cubic at the inner knots as control points, here x³ with the
 // product of three knots, the spline is that cubic.
 TEST(BSplineCurve, ReproducesACubicByMarsdensIdentity) {

@@ -17,7 +17,6 @@ namespace {
 
 /// Sides of faces are their edges' curves, to the last bits: what a CAD program calls watertight.
 void expect_shared_sides(const BsplineSurface& surface) {
-  const double corners[5][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}, {0, 0}};
   for (const BsplinePatch& patch : surface.patches)
     for (int k = 0; k < 4; ++k) {
       const BsplineEdge& edge =
@@ -25,8 +24,7 @@ void expect_shared_sides(const BsplineSurface& surface) {
       const bool forward = edge.vertices[0] == patch.vertices[static_cast<std::size_t>(k)] &&
                            edge.vertices[1] == patch.vertices[static_cast<std::size_t>((k + 1) % 4)];
       for (double t = 0; t <= 1; t += 0.125) {
-        const double u = (1 - t) * corners[k][0] + t * corners[k + 1][0],
-                     v = (1 - t) * corners[k][1] + t * corners[k + 1][1];
+        const auto [u, v] = on_patch_side(k, t);
         EXPECT_LT((evaluate(patch, u, v).position - evaluate(edge.curve, forward ? t : 1 - t)).norm(), 1e-12);
       }
     }

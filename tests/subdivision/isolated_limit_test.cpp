@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
+#include "batten/subdivision/bspline_surface.hpp"
 #include "batten/subdivision/isolated_limit_detail.hpp"
 #include "batten/subdivision/subdivide.hpp"
 
@@ -57,7 +58,7 @@ TEST(IsolatedLimit, IsTheLimitSurfaceOfTheRefinedCage) {
   const SubdividedSurface fine = subdivide(cages::cube(), {.levels = 1, .limit = true});
   for (int f = 0; f < 6; ++f)
     for (int k = 0; k < 4; ++k) {
-      const auto uv = on_side(k, 0.5);
+      const auto uv = on_patch_side(k, 0.5);
       const Eigen::RowVector3d point = cube.isolated.exact(f, uv[0], uv[1]);
       EXPECT_LT((fine.limit_positions.rowwise() - point).rowwise().norm().minCoeff(), 1e-9);
     }
@@ -69,8 +70,8 @@ TEST(IsolatedLimit, BothSidesOfAnEdgeAreOneCurve) {
   for (int e = 0; e < static_cast<int>(cube.topology.edges.size()); ++e) {
     const auto one = cube.isolated.side_of(e, 0), two = cube.isolated.side_of(e, 1);
     for (const double t : {0.3, 0.5, 0.6}) {
-      const auto a = on_side(one.side, one.forward ? t : 1 - t);
-      const auto b = on_side(two.side, two.forward ? t : 1 - t);
+      const auto a = on_patch_side(one.side, one.forward ? t : 1 - t);
+      const auto b = on_patch_side(two.side, two.forward ? t : 1 - t);
       EXPECT_LT(
           (cube.isolated.exact(one.face, a[0], a[1]) - cube.isolated.exact(two.face, b[0], b[1])).norm(),
           1e-12);

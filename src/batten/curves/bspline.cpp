@@ -12,11 +12,12 @@ CubicBasis cubic_basis(double u, int spans, bool periodic) {
   };
   CubicBasis basis;
   basis.first = span;
-  std::array<double, 4> left{}, right{};
+  std::array<double, 4> left{}, right{}, quadratic{};
   basis.values[0] = 1;
   for (int degree = 1; degree <= 3; ++degree) {
     left[degree] = u - knot(span + 1 - degree);
     right[degree] = knot(span + degree) - u;
+    if (degree == 3) quadratic = basis.values;
     double saved = 0;
     for (int r = 0; r < degree; ++r) {
       const double share = basis.values[r] / (right[r + 1] + left[degree - r]);
@@ -24,6 +25,11 @@ CubicBasis cubic_basis(double u, int spans, bool periodic) {
       saved = left[degree - r] * share;
     }
     basis.values[degree] = saved;
+  }
+  for (int r = 0; r < 3; ++r) {
+    const double slope = 3 * quadratic[r] / (knot(span + 1 + r) - knot(span - 2 + r));
+    basis.slopes[r] -= slope;
+    basis.slopes[r + 1] += slope;
   }
   return basis;
 }

@@ -12,6 +12,7 @@ namespace batten {
 struct CubicBasis {
   int first = 0;  ///< number of the first of the four
   std::array<double, 4> values{0, 0, 0, 0};
+  std::array<double, 4> slopes{0, 0, 0, 0};  ///< derivatives by u
 };
 
 /// Evaluates the basis by the recurrence of Cox and de Boor.

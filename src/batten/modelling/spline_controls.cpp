@@ -9,32 +9,9 @@
 
 namespace batten::detail {
 
-SplineBasis spline_basis(double t, int spans) {
-  const int span = std::clamp(static_cast<int>(t * spans), 0, spans - 1);
-  const auto knot = [&](int k) { return static_cast<double>(std::clamp(k - 3, 0, spans)) / spans; };
-  const int m = span + 3;
-  SplineBasis basis;
-  basis.first = span;
-  std::array<double, 4> left{}, right{}, values{1, 0, 0, 0}, lower{};
-  for (int degree = 1; degree <= 3; ++degree) {
-    left[at(degree)] = t - knot(m + 1 - degree);
-    right[at(degree)] = knot(m + degree) - t;
-    if (degree == 3) lower = values;
-    double saved = 0;
-    for (int r = 0; r < degree; ++r) {
-      const double part = values[at(r)] / (right[at(r + 1)] + left[at(degree - r)]);
-      values[at(r)] = saved + right[at(r + 1)] * part;
-      saved = left[at(degree - r)] * part;
-    }
-    values[at(degree)] = saved;
-  }
-  basis.value = values;
-  for (int r = 0; r < 4; ++r) {
-    double slope = 0;
-    if (r > 0) slope += lower[at(r - 1)] / (knot(m + r) - knot(m + r - 3));
-    if (r < 3) slope -= lower[at(r)] / (knot(m + r + 1) - knot(m + r - 2));
-    basis.slope[at(r)] = 3 * slope;
-  }
+CubicBasis spline_basis(double t, int spans) {
+  CubicBasis basis = cubic_basis(t * spans, spans, false);
+  for (double& slope : basis.slopes) slope *= spans;
   return basis;
 }
 
@@ -102,33 +79,20 @@ int SplineControls::control(std::size_t q, int i, int j) const {
 
 PatchPoint SplineControls::evaluate_at(std::size_t q, double u, double v) const {
   const LayoutQuad& quad = layout_.quads[q];
-  const SplineBasis a = spline_basis(u, spans_u(quad)), b = spline_basis(v, spans_v(quad));
+  const CubicBasis a = spline_basis(u, spans_u(quad)), b = spline_basis(v, spans_v(quad));
   PatchPoint point{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
   for (int j = 0; j < 4; ++j)
     for (int i = 0; i < 4; ++i) {
       const Eigen::Vector3d c = controls_.row(control(q, a.first + i, b.first + j)).transpose();
-      point.position += a.value[at(i)] * b.value[at(j)] * c;
-      point.along_u += a.slope[at(i)] * b.value[at(j)] * c;
-      point.along_v += a.value[at(i)] * b.slope[at(j)] * c;
+      point.position += a.values[at(i)] * b.values[at(j)] * c;
+      point.along_u += a.slopes[at(i)] * b.values[at(j)] * c;
+      point.along_v += a.values[at(i)] * b.slopes[at(j)] * c;
     }
   return point;
 }
 
-std::pair<double, double> SplineControls::on_side_at(int k, double t) {
-  switch (k) {
-    case 0:
-      return {t, 0};
-    case 1:
-      return {1, t};
-    case 2:
-      return {1 - t, 1};
-    default:
-      return {0, 1 - t};
-  }
-}
-
 Eigen::Vector3d SplineControls::normal_at(std::size_t q, int k, double t) const {
-  const auto [u, v] = on_side_at(k, t);
+  const auto [u, v] = on_patch_side(k, t);
   const PatchPoint point = evaluate_at(q, u, v);
   return point.along_u.cross(point.along_v).normalized();
 }

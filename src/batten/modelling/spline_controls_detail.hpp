@@ -6,17 +6,15 @@
 #include <Eigen/Core>
 
 #include "batten/core/arrays.hpp"
+#include "batten/curves/bspline.hpp"
 #include "batten/modelling/quad_layout_detail.hpp"
 #include "batten/subdivision/bspline_surface.hpp"
 
 namespace batten::detail {
 
-/// The four clamped uniform cubic B-splines that are not zero at t in [0, 1], and their derivatives by t.
-struct SplineBasis {
-  int first = 0;
-  std::array<double, 4> value{}, slope{};
-};
-SplineBasis spline_basis(double t, int spans);
+/// The clamped cubic B-splines of evenly spread knots that are not zero at t in [0, 1], and their derivatives
+/// by t.
+CubicBasis spline_basis(double t, int spans);
 
 /// Four times 0, four times 1 and the ends of the spans between.
 std::vector<double> clamped_knots(int spans);
@@ -41,9 +39,7 @@ class SplineControls {
   bool runs_along(const LayoutQuad& quad, int k) const;
 
   PatchPoint evaluate_at(std::size_t q, double u, double v) const;
-  /// Parameters of the point at t along side k of a quad.
-  static std::pair<double, double> on_side_at(int k, double t);
-  /// The unit normal there; zero where the face has none.
+  /// The unit normal at t along side k of a quad; zero where the face has none.
   Eigen::Vector3d normal_at(std::size_t q, int k, double t) const;
   /// The largest angle between the normals of both faces along an edge, radians; 0 at sharp edges and
   /// borders.

@@ -29,7 +29,6 @@ using detail::LayoutQuad;
 using detail::LayoutSample;
 using detail::QuadLayout;
 using detail::spline_basis;
-using detail::SplineBasis;
 using Eigen::Vector3d;
 
 constexpr int kRounds = 5;           ///< with twice the knots where they do not suffice
@@ -63,13 +62,10 @@ class FaceFitter : private detail::SplineControls {
       number_controls();
       part.report("fit", 0);
       for (int step = 0; step < kPlainSteps; ++step) {
-        solve(false);
+        solve(assembled());
         find_parameters();
       }
-      for (int step = 0; step < kTangentSteps; ++step) {
-        part.report("fit", (step + 1.0) / (kTangentSteps + 1));
-        solve(true);
-      }
+      make_smooth(assembled(), part);
       find_parameters();
       if (!refine()) break;
     }
@@ -117,43 +113,57 @@ class FaceFitter : private detail::SplineControls {
     for (std::size_t e = 0; e < spans_.size(); ++e) spans_[e] = std::min(kFirstSpans, limit_[e]);
   }
 
-  /// Least squares of distances and second differences; `tangents`: and of the normals' common plane along
-  /// smooth edges.
-  void solve(bool tangents) {
+  /// Least squares of the distances of the samples at their parameters, and of second differences.
+  struct System {
+    SparseMatrix matrix;
+    Points right;
+  };
+  System assembled() const {
+    const Eigen::Index n = controls_.rows();
+    System system{SparseMatrix(n, n), Points::Zero(n, 3)};
+    std::vector<Eigen::Triplet<double>> entries;
+    add_samples(entries, system.right);
+    add_smoothing(entries);
+    system.matrix.setFromTriplets(entries.begin(), entries.end());
+    return system;
+  }
+
+  void solve(const System& system) {
+    SparseCholesky factor("fit of B-spline faces");
+    factor.factorize(system.matrix);
+    controls_ = factor.solve(system.right);
+  }
+
+  /// Also with the normals' common plane along smooth edges, in turns with these planes.
+  void make_smooth(const System& system, const Progress& progress) {
     const Eigen::Index n = controls_.rows();
     std::vector<Eigen::Triplet<double>> entries;
-    Points right = Points::Zero(n, 3);
-    add_samples(entries, right);
-    add_smoothing(entries);
-    SparseMatrix A(n, n);
-    A.setFromTriplets(entries.begin(), entries.end());
-    if (!tangents) {
-      SparseCholesky factor("fit of B-spline faces");
-      factor.factorize(A);
-      controls_ = factor.solve(right);
-      return;
-    }
-    std::vector<Eigen::Triplet<double>> all;
-    all.reserve(static_cast<std::size_t>(3 * A.nonZeros()));
-    for (int c = 0; c < A.outerSize(); ++c)
-      for (SparseMatrix::InnerIterator entry(A, c); entry; ++entry)
+    entries.reserve(static_cast<std::size_t>(3 * (system.matrix.nonZeros() + n)));
+    for (int c = 0; c < system.matrix.outerSize(); ++c)
+      for (SparseMatrix::InnerIterator entry(system.matrix, c); entry; ++entry)
         for (int d = 0; d < 3; ++d)
-          all.emplace_back(3 * static_cast<int>(entry.row()) + d, 3 * static_cast<int>(entry.col()) + d,
-                           entry.value());
+          entries.emplace_back(3 * static_cast<int>(entry.row()) + d, 3 * static_cast<int>(entry.col()) + d,
+                               entry.value());
     for (Eigen::Index i = 0; i < 3 * n; ++i)
-      all.emplace_back(static_cast<int>(i), static_cast<int>(i), kDamping);
-    const std::vector<Vector3d> corner_normals = normals_at_corners();
-    for (std::size_t e = 0; e < layout_.edges.size(); ++e)
-      if (layout_.edges[e].quads[1] >= 0 && !layout_.edges[e].is_sharp) add_tangents(e, corner_normals, all);
-    SparseMatrix B(3 * n, 3 * n);
-    B.setFromTriplets(all.begin(), all.end());
-    Eigen::VectorXd flat(3 * n);
-    for (Eigen::Index i = 0; i < n; ++i)
-      flat.segment<3>(3 * i) = (right.row(i) + kDamping * controls_.row(i)).transpose();
+      entries.emplace_back(static_cast<int>(i), static_cast<int>(i), kDamping);
+    SparseMatrix distances(3 * n, 3 * n), planes(3 * n, 3 * n);
+    distances.setFromTriplets(entries.begin(), entries.end());
     SparseCholesky factor("fit of B-spline faces with common tangent planes");
-    factor.factorize(B);
-    const Eigen::VectorXd solution = factor.solve(flat);
-    for (Eigen::Index i = 0; i < n; ++i) controls_.row(i) = solution.segment<3>(3 * i).transpose();
+    for (int step = 0; step < kTangentSteps; ++step) {
+      progress.report("fit", (step + 1.0) / (kTangentSteps + 1));
+      entries.clear();
+      const std::vector<Vector3d> corner_normals = normals_at_corners();
+      for (std::size_t e = 0; e < layout_.edges.size(); ++e)
+        if (layout_.edges[e].quads[1] >= 0 && !layout_.edges[e].is_sharp)
+          add_tangents(e, corner_normals, entries);
+      planes.setFromTriplets(entries.begin(), entries.end());
+      factor.factorize(distances + planes);
+      Eigen::VectorXd right(3 * n);
+      for (Eigen::Index i = 0; i < n; ++i)
+        right.segment<3>(3 * i) = (system.right.row(i) + kDamping * controls_.row(i)).transpose();
+      const Eigen::VectorXd solution = factor.solve(right);
+      for (Eigen::Index i = 0; i < n; ++i) controls_.row(i) = solution.segment<3>(3 * i).transpose();
+    }
   }
 
   void add_samples(std::vector<Eigen::Triplet<double>>& entries, Points& right) const {
@@ -169,12 +179,12 @@ class FaceFitter : private detail::SplineControls {
           static_cast<double>(ku * kv) / std::max<double>(1, static_cast<double>(samples_of[q].size()));
       for (const int s : samples_of[q]) {
         const LayoutSample& sample = layout_.samples[at(s)];
-        const SplineBasis a = spline_basis(sample.u, ku), b = spline_basis(sample.v, kv);
+        const CubicBasis a = spline_basis(sample.u, ku), b = spline_basis(sample.v, kv);
         const double weight = (is_vertex(sample) ? 1 : kInnerWeight) * per_sample;
         Eigen::Matrix<double, 16, 1> row;
         for (int j = 0; j < 4; ++j)
           for (int i = 0; i < 4; ++i) {
-            row[4 * j + i] = a.value[at(i)] * b.value[at(j)];
+            row[4 * j + i] = a.values[at(i)] * b.values[at(j)];
             right.row(control(q, a.first + i, b.first + j)) +=
                 weight * row[4 * j + i] * layout_.points.row(sample.point);
           }
@@ -269,7 +279,7 @@ class FaceFitter : private detail::SplineControls {
                    std::vector<Eigen::Triplet<double>>& entries) const {
     const LayoutQuad& quad = layout_.quads[q];
     const int nu = spans_u(quad) + 3, nv = spans_v(quad) + 3;
-    const SplineBasis basis = spline_basis(t, spans_of_edge(quad.edges[at(side)]));
+    const CubicBasis basis = spline_basis(t, spans_of_edge(quad.edges[at(side)]));
     // Control point i along the side, in its outermost row or the next.
     const auto number = [&](int i, int row) {
       switch (side) {
@@ -289,7 +299,7 @@ class FaceFitter : private detail::SplineControls {
     for (int i = 0; i < 4; ++i)
       for (int row = 0; row < 2; ++row) {
         numbers[at(2 * i + row)] = number(basis.first + i, row);
-        weights[at(2 * i + row)] = row == 1 ? basis.value[at(i)] : -basis.value[at(i)];
+        weights[at(2 * i + row)] = row == 1 ? basis.values[at(i)] : -basis.values[at(i)];
         inwards += weights[at(2 * i + row)] * controls_.row(numbers[at(2 * i + row)]).transpose();
       }
     if (!(inwards.norm() > 1e-9 * diameter_)) return;
@@ -317,7 +327,7 @@ class FaceFitter : private detail::SplineControls {
         const double t = k == 0 ? sample.u : k == 1 ? sample.v : k == 2 ? 1 - sample.u : 1 - sample.v;
         const LayoutQuad& next = layout_.quads[at(edge.quads[at(place)])];
         const bool same = runs_along(quad, k) == runs_along(next, edge.sides[at(place)]);
-        const auto [u, v] = on_side_at(edge.sides[at(place)], same ? t : 1 - t);
+        const auto [u, v] = on_patch_side(edge.sides[at(place)], same ? t : 1 - t);
         LayoutSample other{sample.point, edge.quads[at(place)], u, v};
         const double distance = nearest_point(other);
         if (distance < nearest * (1 - 1e-6)) {
@@ -417,8 +427,8 @@ class FaceFitter : private detail::SplineControls {
       patch.face = quad.patch;
       patch.is_exact = false;
       surface.patches.push_back(std::move(patch));
-      surface.n_components += parts.root(static_cast<int>(q)) == static_cast<int>(q) ? 1 : 0;
     }
+    surface.n_components = parts.n_sets();
     double sum = 0;
     for (const double distance : distance_) {
       surface.deviation = std::max(surface.deviation, distance);

@@ -53,7 +53,7 @@ void fit_end(const IsolatedLimit& limit, BsplineEdge& edge, const IsolatedLimit:
   for (int k = 1; k < kSamples; ++k) {
     const double x = static_cast<double>(k) / kSamples;
     const double t = end == 0 ? x * side_length : 1 - x * side_length;
-    const auto uv = on_side(side.side, side.forward ? t : 1 - t);
+    const auto uv = on_patch_side(side.side, side.forward ? t : 1 - t);
     const Row rest = limit.exact(side.face, uv[0], uv[1]) - bernstein(0, x) * b0 - bernstein(2, x) * b2 -
                      bernstein(3, x) * b3;
     sum += bernstein(1, x) * rest;

@@ -57,7 +57,7 @@ void measure_normals(const IsolatedLimit& limit, BsplineSurface& surface) {
         const double t = std::abs(end - limit.cell_side() * k / 16);
         Eigen::Vector3d normals[2];
         for (size_t s = 0; s < 2; ++s) {
-          const auto uv = on_side(sides[s].side, sides[s].forward ? t : 1 - t);
+          const auto uv = on_patch_side(sides[s].side, sides[s].forward ? t : 1 - t);
           const PatchPoint point = evaluate(surface.patches[at(sides[s].face)], uv[0], uv[1]);
           normals[s] = point.along_u.cross(point.along_v);
         }

@@ -137,6 +137,19 @@ PatchPoint evaluate(const BsplinePatch& patch, double u, double v) {
   return point;
 }
 
+std::array<double, 2> on_patch_side(int k, double t) {
+  switch (k) {
+    case 0:
+      return {t, 0};
+    case 1:
+      return {1, t};
+    case 2:
+      return {1 - t, 1};
+    default:
+      return {0, 1 - t};
+  }
+}
+
 Eigen::Vector3d evaluate(const BsplineCurve& curve, double t) {
   const detail::BsplineBasis of_t = detail::bspline_basis(curve.knots, t);
   Eigen::Vector3d point = Eigen::Vector3d::Zero();

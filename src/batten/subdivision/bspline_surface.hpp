@@ -81,6 +81,8 @@ struct PatchPoint {
   Eigen::Vector3d position, along_u, along_v;
 };
 PatchPoint evaluate(const BsplinePatch& patch, double u, double v);
+/// Parameters (u, v) of the point at t along side k of a patch, from vertex k on. @pre k is 0, 1, 2 or 3.
+std::array<double, 2> on_patch_side(int k, double t);
 /// A point of a curve. @pre t is in [0, 1].
 Eigen::Vector3d evaluate(const BsplineCurve& curve, double t);
 

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "batten/subdivision/bspline_surface.hpp"
 #include "batten/subdivision/isolated_limit_detail.hpp"
 
 namespace batten::detail {
@@ -29,19 +30,6 @@ Row polar_form(const LimitCell& cell, const PolarArguments& u, const PolarArgume
   for (int j = 0; j < 4; ++j)
     for (int i = 0; i < 4; ++i) sum += wu(i) * wv(j) * cell.control_points.row(4 * j + i);
   return sum;
-}
-
-std::array<double, 2> on_side(int k, double t) {
-  switch (k) {
-    case 0:
-      return {t, 0};
-    case 1:
-      return {1, t};
-    case 2:
-      return {1 - t, 1};
-    default:
-      return {0, 1 - t};
-  }
 }
 
 FaceCells::FaceCells(const LimitCells& cells, Eigen::Index n_faces) : of_face_(static_cast<size_t>(n_faces)) {
@@ -107,12 +95,12 @@ Row IsolatedLimit::exact(int face, double u, double v) const {
 }
 
 bool IsolatedLimit::side_polar(int face, int k, const PolarArguments& t, double inside, Row& point) const {
-  const auto middle = on_side(k, inside);
+  const auto middle = on_patch_side(k, inside);
   const LimitCell* cell = cells_.covering(face, middle[0], middle[1], isolation_);
   if (cell == nullptr) return false;
   PolarArguments u, v;
   for (size_t i = 0; i < 3; ++i) {
-    const auto uv = on_side(k, t[i]);
+    const auto uv = on_patch_side(k, t[i]);
     u[i] = uv[0];
     v[i] = uv[1];
   }

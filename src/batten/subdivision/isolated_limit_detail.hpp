@@ -23,9 +23,6 @@ Eigen::RowVector4d polar_weights(const PolarArguments& t);
 /// Polar form of a cell at arguments of the face it lies in [ramshaw1989].
 Eigen::RowVector3d polar_form(const LimitCell& cell, const PolarArguments& u, const PolarArguments& v);
 
-/// Side k of a face as u, v of its parameter t from corner k to corner k + 1.
-std::array<double, 2> on_side(int k, double t);
-
 /// The exact cells of each face.
 class FaceCells {
  public:
