@@ -1,4 +1,4 @@
-#include "apps/run_batten.hpp"
+#include "apps/run_json.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -16,14 +16,10 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// Runs a line that must succeed and print exactly one JSON object with what every command owes.
-Json run_json(const std::string& arguments, const std::vector<std::string>& keys = {}) {
+/// Runs a line that must succeed; what it prints has what every command owes, and the keys asked for.
+Json complete_json(const std::string& arguments, const std::vector<std::string>& keys = {}) {
+  const Json json = run_json(arguments);
   SCOPED_TRACE("batten " + arguments);
-  const auto run = run_batten(arguments);
-  EXPECT_EQ(run.exit_code, 0) << run.err;
-  const Json json = Json::parse(run.out, nullptr, false);
-  EXPECT_TRUE(json.is_object()) << run.out;
-  if (!json.is_object()) return Json::object();
   EXPECT_TRUE(json.contains("options") && json["options"].is_object());
   EXPECT_TRUE(json.contains("seconds") && json["seconds"].contains("total"));
   EXPECT_TRUE(json.contains("warnings") && json["warnings"].is_array());
@@ -33,43 +29,41 @@ Json run_json(const std::string& arguments, const std::vector<std::string>& keys
 
 // The line of the issue, with every option in brackets, at a coarser step.
 TEST(CommandLines, SimulateTakesEveryOption) {
-  const Json json = run_json(
+  const Json json = complete_json(
       "simulate torus -o full.rawnet --truth truth.ply --truth-network truth.net --seed 7 "
       "--orientation-noise 2deg "
       "--drift 1deg --odometer-error 0.3% --step 2% --truth-edge 3% --truth-step 1% --outliers 5% "
-      "--disturbance 30deg --curve-length-error 15% --json",
+      "--disturbance 30deg --curve-length-error 15%",
       {"curves", "nodes", "segments", "readings"});
   EXPECT_EQ(json["curves"], 12);
   EXPECT_EQ(json["nodes"], 36);  // six circles cross six meridians
   for (const char* name : {"full.rawnet", "truth.ply", "truth.net"}) EXPECT_TRUE(file_exists(name)) << name;
-  const Json again = run_json(
+  const Json again = complete_json(
       "simulate torus -o again.rawnet --seed 7 --orientation-noise 2deg --drift 1deg "
       "--odometer-error 0.3% --step 2% --outliers 5% --disturbance 30deg "
-      "--curve-length-error 15% --json");
+      "--curve-length-error 15%");
   EXPECT_EQ(read_file("again.rawnet"), read_file("full.rawnet")) << "the seed decides";
   EXPECT_EQ(again["readings"], json["readings"]);
 }
 
 TEST(CommandLines, RawReadingsAreCalibratedAndBecomeANetwork) {
-  run_json("simulate sphere -o scan.csv --raw --tumble tumble.csv --step 1.5% --seed 3 --json");
-  run_json("calibrate tumble.csv -o calibration.json --json");
-  run_json("info calibration.json --json");
-  run_json("network scan.csv --calibration calibration.json -o raw.json --step 4% --json",
-           {"curves", "nodes"});
-  run_json(
-      "simulate sphere -o exact.rawnet --truth-network raw_truth.net --truth-step 1% --step 1.5% --json");
-  const Json compared = run_json("compare raw.json raw_truth.net --register rigid --samples 2000 --json");
+  complete_json("simulate sphere -o scan.csv --raw --tumble tumble.csv --step 1.5% --seed 3");
+  complete_json("calibrate tumble.csv -o calibration.json");
+  complete_json("info calibration.json");
+  complete_json("network scan.csv --calibration calibration.json -o raw.json --step 4%", {"curves", "nodes"});
+  complete_json("simulate sphere -o exact.rawnet --truth-network raw_truth.net --truth-step 1% --step 1.5%");
+  const Json compared = complete_json("compare raw.json raw_truth.net --register rigid --samples 2000");
   EXPECT_LT(compared["relative"]["a_to_b"]["mean"].get<double>(), 0.005);
 }
 
 TEST(CommandLines, OrientTakesEveryOption) {
-  run_json("simulate sphere -o scan.csv --raw --tumble tumble.csv --step 4% --seed 3 --json");
-  run_json("calibrate tumble.csv -o calibration.json --json");
+  complete_json("simulate sphere -o scan.csv --raw --tumble tumble.csv --step 4% --seed 3");
+  complete_json("calibrate tumble.csv -o calibration.json");
   for (const char* options : {"", "--causal", "--no-magnetometer", "--calibration calibration.json",
                               "--columns time=time_s,acc=acc_x_m_s2:acc_y_m_s2:acc_z_m_s2,"
                               "gyr=gyr_x_rad_s:gyr_y_rad_s:gyr_z_rad_s"}) {
-    const Json json = run_json(std::string("orient tumble.csv -o orientation.csv --json ") + options,
-                               {"readings", "gyroscope", "magnetometer", "moving", "tilt_sd_deg"});
+    const Json json = complete_json(std::string("orient tumble.csv -o orientation.csv ") + options,
+                                    {"readings", "gyroscope", "magnetometer", "moving", "tilt_sd_deg"});
     const std::string table = read_file("orientation.csv");
     EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), json["readings"].get<long>() + 1);
     const bool used = std::string(options).find("no-mag") == std::string::npos &&
@@ -79,7 +73,7 @@ TEST(CommandLines, OrientTakesEveryOption) {
 }
 
 TEST(CommandLines, NetworkTakesEveryOption) {
-  run_json("simulate sphere -o scan.rawnet --step 4% --orientation-noise 1deg --seed 2 --json");
+  complete_json("simulate sphere -o scan.rawnet --step 4% --orientation-noise 1deg --seed 2");
   for (const char* options :
        {"-o net.net", "-o net.obj", "-o net.json --step 5%", "-o net.json --step 0.2",
         "-o net.json --step none", "-o net.json --step 5% --weights auto",
@@ -88,8 +82,8 @@ TEST(CommandLines, NetworkTakesEveryOption) {
         "-o net.json --step 5% --robust off", "-o net.json --step 5% --robust on --scheme thesis",
         "-o net.json --step 5% --scheme midpoint", "-o net.json --step 5% --lengths estimated",
         "-o net.json --step 5% --lengths measured"}) {
-    const Json json = run_json(std::string("network scan.rawnet --json ") + options,
-                               {"curves", "nodes", "segments", "components", "vertices"});
+    const Json json = complete_json(std::string("network scan.rawnet ") + options,
+                                    {"curves", "nodes", "segments", "components", "vertices"});
     if (json.contains("curves")) {
       EXPECT_EQ(json["curves"], 3);
       EXPECT_EQ(json["nodes"], 6);
@@ -106,8 +100,8 @@ TEST(CommandLines, NetworkTakesEveryOption) {
 }
 
 TEST(CommandLines, SurfaceTakesEveryOption) {
-  run_json("simulate sphere -o x.rawnet --step 4% --truth-network fine.json --truth-step 0.5% --json");
-  run_json("convert fine.json net.net --resample 6% --json");
+  complete_json("simulate sphere -o x.rawnet --step 4% --truth-network fine.json --truth-step 0.5%");
+  complete_json("convert fine.json net.net --resample 6%");
   for (const char* options :
        {"-o surface.ply", "-o surface.obj", "-o surface.ply --rebuilds 0", "-o surface.ply --rebuilds 2",
         "-o surface.ply --method curvature", "-o surface.ply --method harmonic",
@@ -115,9 +109,9 @@ TEST(CommandLines, SurfaceTakesEveryOption) {
         "-o surface.ply --method biharmonic-normals", "-o surface.ply --constraints hard",
         "-o surface.ply --constraints soft --soft-weight 100", "-o surface.ply --map plane",
         "-o surface.ply --map circle", "-o surface.ply --map polygon"}) {
-    const Json json = run_json(std::string("surface net.net --json ") + options,
-                               {"curves", "nodes", "segments", "cycles", "components", "boundary_loops",
-                                "vertices", "faces", "genus"});
+    const Json json = complete_json(std::string("surface net.net ") + options,
+                                    {"curves", "nodes", "segments", "cycles", "components", "boundary_loops",
+                                     "vertices", "faces", "genus"});
     if (!json.contains("genus")) continue;
     // Three great circles cut the sphere into octants: closed, of genus 0, nothing folded.
     EXPECT_EQ(json["cycles"], 8) << options;
@@ -132,12 +126,12 @@ TEST(CommandLines, SurfaceTakesEveryOption) {
 // 2° of noise as the default device has it. The bound is four times what several seeds gave (0.05 to 0.1 %
 // of the diameter), and a tenth of what integration without a fit gives.
 TEST(CommandLines, ReconstructGivesTheSphereBack) {
-  run_json(
+  complete_json(
       "simulate sphere -o noisy.rawnet --truth sphere.ply --truth-edge 2% --seed 41 --orientation-noise 2deg "
-      "--drift 1deg --odometer-error 0.3% --step 1.6% --json");
-  const Json json = run_json(
+      "--drift 1deg --odometer-error 0.3% --step 1.6%");
+  const Json json = complete_json(
       "reconstruct noisy.rawnet -o sphere_surface.ply --network sphere_net.json "
-      "--report sphere.html --step 4% --json",
+      "--report sphere.html --step 4%",
       {"curves", "nodes", "segments", "cycles", "components", "boundary_loops", "vertices", "faces",
        "genus"});
   EXPECT_EQ(json["watertight"], true);
@@ -146,41 +140,41 @@ TEST(CommandLines, ReconstructGivesTheSphereBack) {
     EXPECT_TRUE(file_exists(name)) << name;
   const std::string report = read_file("sphere.html");
   EXPECT_EQ(report.find("src=\"http"), std::string::npos) << "the report must be self-contained";
-  const Json compared = run_json(
-      "compare sphere_surface.ply sphere.ply --register rigid --samples 5000 --json", {"a_to_b", "b_to_a"});
+  const Json compared = complete_json("compare sphere_surface.ply sphere.ply --register rigid --samples 5000",
+                                      {"a_to_b", "b_to_a"});
   EXPECT_LT(compared["relative"]["a_to_b"]["mean"].get<double>(), 0.004);
   EXPECT_LT(compared["relative"]["b_to_a"]["mean"].get<double>(), 0.004);
 }
 
 // The open dish: one border, and rows of the border left out keep it from curling up.
 TEST(CommandLines, ReconstructGivesTheDishBack) {
-  run_json(
+  complete_json(
       "simulate dish -o dish.rawnet --truth dish.ply --truth-edge 2% --seed 42 --orientation-noise 2deg "
-      "--drift 1deg --odometer-error 0.3% --step 0.8% --json");
-  const Json json = run_json("reconstruct dish.rawnet -o dish_surface.ply --step 4% --json");
+      "--drift 1deg --odometer-error 0.3% --step 0.8%");
+  const Json json = complete_json("reconstruct dish.rawnet -o dish_surface.ply --step 4%");
   EXPECT_EQ(json["boundary_loops"], 1);
   EXPECT_EQ(json["genus"], 0);
-  const Json compared = run_json("compare dish_surface.ply dish.ply --register rigid --samples 5000 --json");
+  const Json compared = complete_json("compare dish_surface.ply dish.ply --register rigid --samples 5000");
   EXPECT_LT(compared["relative"]["a_to_b"]["mean"].get<double>(), 0.006);
 }
 
 TEST(CommandLines, InfoConvertAndRenderTakeWhatTheOthersWrite) {
-  run_json(
+  complete_json(
       "simulate sphere -o i.rawnet --step 4% --truth i.ply --truth-edge 6% --truth-network i.json "
-      "--truth-step 4% --json");
-  EXPECT_EQ(run_json("info i.rawnet --json")["curves"], 3);
-  EXPECT_EQ(run_json("info i.json --json")["nodes"], 6);
-  EXPECT_EQ(run_json("info i.ply --json")["genus"], 0);
-  run_json("convert i.json i.obj --json");
-  run_json("convert i.obj back.json --json");
-  run_json("convert i.ply i.stl --json");
-  run_json("convert i.rawnet j.rawnet --json");
+      "--truth-step 4%");
+  EXPECT_EQ(complete_json("info i.rawnet")["curves"], 3);
+  EXPECT_EQ(complete_json("info i.json")["nodes"], 6);
+  EXPECT_EQ(complete_json("info i.ply")["genus"], 0);
+  complete_json("convert i.json i.obj");
+  complete_json("convert i.obj back.json");
+  complete_json("convert i.ply i.stl");
+  complete_json("convert i.rawnet j.rawnet");
   EXPECT_EQ(read_file("j.rawnet"), read_file("i.rawnet")) << "writing what was read changes nothing";
   for (const char* shading : {"shaded", "wireframe", "isophotes", "reflection-lines", "normal-map",
                               "mean-curvature", "gaussian-curvature", "gauss-map"})
-    run_json(std::string("render i.ply -o i.png --size 80x60 --json --shading ") + shading);
-  run_json("render i.ply -o i.png --size 80x60 --shading error --against i.ply --json");
-  run_json("render i.json -o i.png --size 80x60 --shading porcupine --json");
+    complete_json(std::string("render i.ply -o i.png --size 80x60 --shading ") + shading);
+  complete_json("render i.ply -o i.png --size 80x60 --shading error --against i.ply");
+  complete_json("render i.json -o i.png --size 80x60 --shading porcupine");
 }
 
 // Three great circles of the unit sphere as strokes of their own; the diagonal of their box is 2 √3.
@@ -202,13 +196,13 @@ TEST(CommandLines, LengthsOfStrokesAreRelativeOrInTheUnitOfTheFile) {
   }
   write_file("circles.obj", obj.str());
   const std::string length = std::to_string(0.03 * 2 * std::sqrt(3.0));
-  const Json relative = run_json("surface circles.obj -o r.ply --step 3% --json", {"strokes", "diagnosis"});
-  const Json absolute = run_json("surface circles.obj -o a.ply --step " + length + " --json");
+  const Json relative = complete_json("surface circles.obj -o r.ply --step 3%", {"strokes", "diagnosis"});
+  const Json absolute = complete_json("surface circles.obj -o a.ply --step " + length);
   EXPECT_EQ(relative["strokes"], 3);
   EXPECT_EQ(relative["cycles"], 8);
   EXPECT_EQ(relative["genus"], 0);
   EXPECT_EQ(relative["vertices"], absolute["vertices"]);
-  EXPECT_GT(run_json("surface circles.obj -o f.ply --json")["vertices"], relative["vertices"]);
+  EXPECT_GT(complete_json("surface circles.obj -o f.ply")["vertices"], relative["vertices"]);
   EXPECT_EQ(run_batten("surface circles.obj -o f.ply --weld 0").exit_code, 2);
 }
 
@@ -219,7 +213,7 @@ TEST(CommandLines, WhatTheDemoSuggestsRuns) {
 #endif
   std::ifstream demo(BATTEN_EXAMPLES "/../demo");
   ASSERT_TRUE(demo.is_open());
-  run_json("simulate sphere -o s.rawnet --truth surface.ply --truth-edge 6% --json");  // for that of the demo
+  complete_json("simulate sphere -o s.rawnet --truth surface.ply --truth-edge 6%");  // for that of the demo
   int n = 0;
   for (std::string line; std::getline(demo, line);) {
     if (line.rfind("  $batten ", 0) != 0) continue;

@@ -1,4 +1,4 @@
-#include "apps/run_batten.hpp"
+#include "apps/run_json.hpp"
 
 #include <algorithm>
 #include <array>
@@ -75,15 +75,9 @@ Vector turned(const Vector& p, bool mirror = false) {
   return r;
 }
 
-Json run_json(const std::string& arguments) {
-  const auto run = run_batten(arguments);
-  EXPECT_EQ(run.exit_code, 0) << arguments << run.err;
-  return Json::parse(run.out, nullptr, false);
-}
-
 /// The network of a scan file, as JSON with "positions" and "curves".
 Json network_of(const std::string& scan) {
-  run_json("network " + scan + " -o of_scan.json --step 4% --json");
+  run_json("network " + scan + " -o of_scan.json --step 4%");
   return Json::parse(read_file("of_scan.json"));
 }
 
@@ -107,7 +101,7 @@ class InvarianceOfScans : public ::testing::Test {
   void SetUp() override {
     run_json(
         "simulate ellipsoid -o scan.rawnet --step 1.5% --seed 41 --orientation-noise 2deg --drift 1deg "
-        "--odometer-error 0.3% --json");
+        "--odometer-error 0.3%");
     scan_ = read_scan_text("scan.rawnet");
     network_ = network_of("scan.rawnet");
     size_ = 3.9;  // of the ellipsoid with half-axes 1.5, 1, 0.7: its diameter
@@ -182,8 +176,8 @@ TEST_F(InvarianceOfScans, RotationMirrorAndDirectionOfCurvesDoNotMatter) {
 /// Largest distance of the surface of one network from that of another, over the diameter of the latter.
 double surface_difference(const Json& network, const std::string& reference) {
   write_file("told_otherwise.json", network.dump());
-  run_json("surface told_otherwise.json -o otherwise.ply --json");
-  const Json compared = run_json("compare otherwise.ply " + reference + " --samples 5000 --json");
+  run_json("surface told_otherwise.json -o otherwise.ply");
+  const Json compared = run_json("compare otherwise.ply " + reference + " --samples 5000");
   return std::max(compared["relative"]["a_to_b"]["max"].get<double>(),
                   compared["relative"]["b_to_a"]["max"].get<double>());
 }
@@ -193,9 +187,9 @@ TEST(InvarianceOfSurfaces, TellingTheNetworkOtherwiseGivesTheSameSurface) {
   for (const char* shape : {"ellipsoid", "dish"}) {
     SCOPED_TRACE(shape);
     run_json(std::string("simulate ") + shape +
-             " -o x.rawnet --step 4% --truth-network fine.json --truth-step 0.5% --json");
-    run_json("convert fine.json exact.json --resample 4% --json");
-    run_json("surface exact.json -o exact.ply --json");
+             " -o x.rawnet --step 4% --truth-network fine.json --truth-step 0.5%");
+    run_json("convert fine.json exact.json --resample 4%");
+    run_json("surface exact.json -o exact.ply");
     const Json exact = Json::parse(read_file("exact.json"));
 
     Json changed = exact;
@@ -203,7 +197,7 @@ TEST(InvarianceOfSurfaces, TellingTheNetworkOtherwiseGivesTheSameSurface) {
     EXPECT_LT(surface_difference(changed, "exact.ply"), 1e-8) << "order of curves";
 
     // The reference is moved with the network: as a mesh in OFF, whose text is easily changed.
-    run_json("surface exact.json -o exact.off --json");
+    run_json("surface exact.json -o exact.off");
     const auto moved_reference = [](double scale, const Vector& shift, bool turn, bool mirror) {
       std::istringstream in(read_file("exact.off"));
       std::ostringstream out;

@@ -1,4 +1,4 @@
-#include "apps/run_batten.hpp"
+#include "apps/run_json.hpp"
 
 #include <cmath>
 #include <sstream>
@@ -26,15 +26,6 @@ std::string square(int n) {
   return off.str();
 }
 
-Json run_json(const std::string& arguments) {
-  SCOPED_TRACE("batten " + arguments);
-  const Run run = run_batten(arguments);
-  EXPECT_EQ(run.exit_code, 0) << run.err;
-  const Json json = Json::parse(run.out, nullptr, false);
-  EXPECT_TRUE(json.is_object()) << run.out;
-  return json.is_object() ? json : Json::object();
-}
-
 const char* const kHandles =
     R"({"fixed": {"box": [[-1, -1, -1], [0.15, 2, 1]]},
         "handles": [{"select": {"box": [[0.85, -1, -1], [2, 2, 1]]}, "translate": [0, 0, 0.3],
@@ -46,7 +37,7 @@ TEST(Remesh, TakesEveryOption) {
   for (const char* method : {"ar", "lf"}) {
     const Json json =
         run_json(std::string("remesh square.off -o new.ply --edge 5% --adaptivity 0.5 --keep-edges "
-                             "40deg --iterations 4 --json --method ") +
+                             "40deg --iterations 4 --method ") +
                  method);
     for (const char* key :
          {"vertices", "faces", "curvature_change", "edge_variance_change", "area_variance_change",
@@ -57,8 +48,7 @@ TEST(Remesh, TakesEveryOption) {
     EXPECT_LT(json["mean_distance"].get<double>(), 1e-12);
     EXPECT_EQ(json["corners"], 4);
   }
-  EXPECT_NEAR(run_json("remesh square.off -o new.obj --vertices 500 --json")["vertices"].get<double>(), 500,
-              40);
+  EXPECT_NEAR(run_json("remesh square.off -o new.obj --vertices 500")["vertices"].get<double>(), 500, 40);
 }
 
 TEST(Remesh, TellsBadUsageAndBadInputApart) {
@@ -94,7 +84,7 @@ std::string rod() {
 // it.
 TEST(Remesh, DoesNotWriteWhatMissesTheWantedEdge) {
   write_file("rod.off", rod());
-  const Json good = run_json("remesh rod.off -o rod_new.off --edge 0.2 --json");
+  const Json good = run_json("remesh rod.off -o rod_new.off --edge 0.2");
   EXPECT_TRUE(good["faceted"]);
   EXPECT_TRUE(good["flaws"].empty());
   EXPECT_NEAR(good["mean_edge"].get<double>(), 0.2, 0.04);
@@ -103,7 +93,7 @@ TEST(Remesh, DoesNotWriteWhatMissesTheWantedEdge) {
   EXPECT_EQ(bad.exit_code, 1);
   EXPECT_NE(bad.err.find("mean edge"), std::string::npos) << bad.err;
   EXPECT_EQ(read_file("kept.off"), "old");
-  const Json accepted = run_json("remesh rod.off -o kept.off --edge 6 --accept-flaws --json");
+  const Json accepted = run_json("remesh rod.off -o kept.off --edge 6 --accept-flaws");
   EXPECT_EQ(accepted["flaws"].size(), 1U);
   EXPECT_EQ(accepted["warnings"].size(), 1U);
   EXPECT_NE(read_file("kept.off"), "old");
@@ -112,7 +102,7 @@ TEST(Remesh, DoesNotWriteWhatMissesTheWantedEdge) {
 // Two fans that touch in one vertex are taken apart, and that is told.
 TEST(Remesh, WarnsOfVerticesThatWereTakenApart) {
   write_file("touch.off", "OFF\n5 2 0\n0 0 0\n1 0 0\n0 1 0\n-1 0 0\n0 -1 0\n3 0 1 2\n3 0 3 4\n");
-  const Json json = run_json("remesh touch.off -o apart.ply --json");
+  const Json json = run_json("remesh touch.off -o apart.ply");
   ASSERT_EQ(json["warnings"].size(), 1U);
   EXPECT_NE(json["warnings"][0].get<std::string>().find("vertices added: 1"), std::string::npos);
 }
@@ -124,13 +114,13 @@ TEST(Deform, TakesEveryOption) {
     for (const char* detail : {"none", "shape-matching", "gauss-newton"}) {
       const Json json =
           run_json(std::string("deform square.off -o bent.ply --handles handles.json --iterations 30 "
-                               "--json --energy ") +
+                               "--energy ") +
                    energy + " --nonlinear " + detail);
       EXPECT_EQ(json["fixed"], 26);
       EXPECT_EQ(json["moved"], 26);
     }
-  run_json("deform square.off -o soft.ply --handles handles.json --soft 10 --json");
-  EXPECT_TRUE(run_json("deform square.off -o two.ply --handles handles.json --multiresolution --json")
+  run_json("deform square.off -o soft.ply --handles handles.json --soft 10");
+  EXPECT_TRUE(run_json("deform square.off -o two.ply --handles handles.json --multiresolution")
                   .contains("base_vertices"));
 }
 
@@ -150,7 +140,7 @@ TEST(Deform, TellsBadUsageAndBadInputApart) {
   // All vertices moved: nothing is left to solve for, and the answer is the motion itself.
   write_file("all.json",
              R"({"handles": [{"select": {"box": [[-9, -9, -9], [9, 9, 9]]}, "translate": [0, 0, 1]}]})");
-  EXPECT_EQ(run_json("deform square.off -o all.ply --handles all.json --json")["fixed"], 0);
+  EXPECT_EQ(run_json("deform square.off -o all.ply --handles all.json")["fixed"], 0);
 }
 
 }  // namespace

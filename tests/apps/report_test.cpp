@@ -1,4 +1,4 @@
-#include "apps/run_batten.hpp"
+#include "apps/run_json.hpp"
 
 #include <cmath>
 #include <filesystem>
@@ -38,18 +38,9 @@ std::string folder(const std::string& name) {
   return name;
 }
 
-Json run_json(const std::string& arguments) {
-  SCOPED_TRACE("batten " + arguments);
-  const Run run = run_batten(arguments);
-  EXPECT_EQ(run.exit_code, 0) << run.err;
-  const Json json = Json::parse(run.out, nullptr, false);
-  EXPECT_TRUE(json.is_object()) << run.out;
-  return json.is_object() ? json : Json::object();
-}
-
 // The rows and figures are those printed in H; each table has been counted there.
 TEST(ReportCommand, PrintsTheTablesOfTheThesisWithoutAnyMesh) {
-  const Json json = run_json("report thesis-h --data " + folder("nothing") + " --json");
+  const Json json = run_json("report thesis-h --data " + folder("nothing"));
   EXPECT_EQ(json["missing"].size(), 10U);
   EXPECT_TRUE(json["meshes"].empty());
   const Json& tables = json["tables"];
@@ -73,7 +64,7 @@ TEST(ReportCommand, PrintsTheTablesOfTheThesisWithoutAnyMesh) {
 TEST(ReportCommand, PutsOurFiguresBesideThemWhereAMeshIsAtHand) {
   const std::string data = folder("some");
   write_file(data + "/meshes/igea.off", bumpy_torus(12));
-  const Json json = run_json("report thesis-h -o thesis.html --json --data " + data);
+  const Json json = run_json("report thesis-h -o thesis.html --data " + data);
   EXPECT_EQ(json["meshes"].size(), 1U);
   EXPECT_EQ(json["meshes"]["igea"]["vertices"], 288);
   EXPECT_EQ(json["missing"].size(), 9U);
@@ -113,7 +104,7 @@ TEST(ReportCommand, GoesOnWhereAMeshIsRefused) {
   const std::string data = folder("bad");
   write_file(data + "/hand.off",
              "OFF\n5 3 0\n0 0 0\n1 0 0\n0 1 0\n0 -1 0\n0 0 1\n3 0 1 2\n3 1 0 3\n3 0 1 4\n");
-  const Json json = run_json("report thesis-h --tables 2.3,2.5 -o bad.html --json --data " + data);
+  const Json json = run_json("report thesis-h --tables 2.3,2.5 -o bad.html --data " + data);
   EXPECT_NE(read_file("bad.html").find("--tables 2.3,2.5"), std::string::npos) << "the line that repeats it";
   EXPECT_EQ(json["tables"].size(), 2U);
   EXPECT_TRUE(json["tables"]["2.3"][0]["ours"].is_null());
@@ -129,7 +120,7 @@ TEST(ReportCommand, ComparesTheSurfacesOfSketchedModels) {
              "{\"op\":\"insert\",\"points\":[[0,0,0],[1,0,0],[1,1,0],[0,1,0]],\"closed\":true}\n");
   write_file(data + "/empty.jsonl", "{\"batten_session\":1,\"unit\":\"m\"}\n");
   const Json json = run_json("report sketch -o sketch.html --levels 2 --models sphere,disc,empty --methods " +
-                             std::string("v2,curvature --json --data ") + data);
+                             std::string("v2,curvature --data ") + data);
   ASSERT_EQ(json["models"].size(), 3U);
   EXPECT_EQ(json["models"][0]["model"], "sphere");
   EXPECT_EQ(json["models"][0]["genus"], 0);

@@ -1,4 +1,4 @@
-#include "apps/run_batten.hpp"
+#include "apps/run_json.hpp"
 
 #include <array>
 #include <cmath>
@@ -17,14 +17,6 @@ using Json = nlohmann::json;
 const char* const kHeader = "{\"batten_session\":1,\"unit\":\"m\"}\n";
 const char* const kSquare =
     "{\"op\":\"insert\",\"points\":[[0,0,0],[1,0,0],[1,1,0],[0,1,0]],\"closed\":true}\n";
-
-Json run_json(const std::string& arguments, int exit_code = 0) {
-  const auto run = run_batten(arguments + " --json");
-  EXPECT_EQ(run.exit_code, exit_code) << arguments << "\n" << run.err;
-  const Json json = Json::parse(run.out, nullptr, false);
-  EXPECT_TRUE(json.is_object()) << run.out;
-  return json.is_object() ? json : Json::object();
-}
 
 TEST(SketchCommand, CountsAndIdsOfASession) {
   write_file("square.jsonl", std::string(kHeader) + kSquare +

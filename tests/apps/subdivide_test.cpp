@@ -1,4 +1,4 @@
-#include "apps/run_batten.hpp"
+#include "apps/run_json.hpp"
 
 #include <string>
 
@@ -14,14 +14,6 @@ using Json = nlohmann::json;
 const char* const kCube =
     "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n"
     "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
-
-Json run_json(const std::string& arguments) {
-  const auto run = run_batten(arguments + " --json");
-  EXPECT_EQ(run.exit_code, 0) << arguments << "\n" << run.err;
-  const Json json = Json::parse(run.out, nullptr, false);
-  EXPECT_TRUE(json.is_object()) << run.out;
-  return json.is_object() ? json : Json::object();
-}
 
 TEST(SubdivideCommand, TakesEverySchemeAndFormat) {
   write_file("cube.obj", kCube);

@@ -1,4 +1,4 @@
-#include "apps/run_batten.hpp"
+#include "apps/run_json.hpp"
 
 #include <algorithm>
 #include <string>
@@ -10,14 +10,6 @@ namespace batten::test {
 namespace {
 
 using Json = nlohmann::json;
-
-Json run_json(const std::string& arguments, int exit_code = 0) {
-  const auto run = run_batten(arguments + " --json");
-  EXPECT_EQ(run.exit_code, exit_code) << arguments << "\n" << run.err;
-  const Json json = Json::parse(run.out, nullptr, false);
-  EXPECT_TRUE(json.is_object()) << run.out;
-  return json.is_object() ? json : Json::object();
-}
 
 // From a simulated pen to a model: a circle drawn in the air is a disc.
 TEST(TrackCommand, StrokesOfAPenAreASessionForSketch) {

@@ -16,15 +16,15 @@ Eigen::VectorXd uneven_knots() {
   knots << 0, 0.3, 1.1, 1.2, 2.9, 3.5;
   return knots;
 }
-Vector3d cubic(double x) {
+Vector3d cubic_point(double x) {
   return {1 - x + 2 * x * x * x, 3 * x * x - x * x * x, 5 * x};
 }
-Vector3d cubic_slope(double x) {
+Vector3d cubic_tangent(double x) {
   return {-1 + 6 * x * x, 6 * x - 3 * x * x, 5};
 }
 Points samples(const Eigen::VectorXd& knots) {
   Points points(knots.size(), 3);
-  for (Eigen::Index i = 0; i < knots.size(); ++i) points.row(i) = cubic(knots(i)).transpose();
+  for (Eigen::Index i = 0; i < knots.size(); ++i) points.row(i) = cubic_point(knots(i)).transpose();
   return points;
 }
 HermiteCubic piece(const Points& points, const Points& tangents, const Eigen::VectorXd& knots,
@@ -44,9 +44,9 @@ TEST(ClampedSpline, ReproducesCubicsOverUnevenKnots) {
   const Eigen::VectorXd knots = uneven_knots();
   const Points points = samples(knots);
   const ClampedSpline spline(points, knots);
-  const Points tangents = spline.tangents(cubic_slope(0), cubic_slope(3.5));
+  const Points tangents = spline.tangents(cubic_tangent(0), cubic_tangent(3.5));
   for (Eigen::Index i = 0; i < knots.size(); ++i)
-    EXPECT_NEAR((tangents.row(i).transpose() - cubic_slope(knots(i))).norm(), 0, 1e-12) << i;
+    EXPECT_NEAR((tangents.row(i).transpose() - cubic_tangent(knots(i))).norm(), 0, 1e-12) << i;
 }
 
 TEST(ClampedSpline, PiecesMeetWithEqualSecondDerivatives) {

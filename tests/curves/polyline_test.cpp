@@ -12,7 +12,7 @@ namespace {
 using Eigen::Vector3d;
 
 /// The regular n-gon in a circle of radius 1, from (1, 0, 0) round to it again.
-Points circle(int n) {
+Points circle_points(int n) {
   Points points(n + 1, 3);
   for (int i = 0; i <= n; ++i) points.row(i) << std::cos(2 * kPi * i / n), std::sin(2 * kPi * i / n), 0;
   return points;
@@ -26,14 +26,14 @@ Points corner() {
 
 // A side of the polygon is the chord 2 sin(π / n).
 TEST(ArcLengths, OfAPolygonInACircleAreMultiplesOfItsChord) {
-  const std::vector<double> arcs = arc_lengths(circle(24));
+  const std::vector<double> arcs = arc_lengths(circle_points(24));
   ASSERT_EQ(arcs.size(), 25U);
   for (int i = 0; i <= 24; ++i) EXPECT_NEAR(arcs[i], i * 2 * std::sin(kPi / 24), 1e-14);
   EXPECT_TRUE(arc_lengths(Points(0, 3)).empty());
 }
 
 TEST(ArcLengths, ConvergeToTheCircleAtSecondOrder) {
-  const auto error = [](int n) { return 2 * kPi - arc_lengths(circle(n)).back(); };
+  const auto error = [](int n) { return 2 * kPi - arc_lengths(circle_points(n)).back(); };
   EXPECT_NEAR(std::log2(error(64) / error(128)), 2, 0.01);
 }
 

@@ -12,7 +12,7 @@ namespace {
 const std::string kHeader = "{\"format\":\"batten blobs\",\"version\":1,\"width\":640,\"height\":480}\n";
 const std::string kFrame = "{\"time\":0.5,\"camera\":\"left\",\"blobs\":[[1.5,2.5,0.01,0.001,0.02],[3,4]]}\n";
 
-std::string error_of(const std::string& text) {
+std::string blobs_error(const std::string& text) {
   try {
     parse_blobs(text, "b.jsonl");
   } catch (const FileError& error) {
@@ -56,22 +56,22 @@ TEST(BlobsIo, PutsFramesInOrderAndLeavesOutATornLine) {
 }
 
 TEST(BlobsIo, NamesTheLineAndWhatIsWrong) {
-  EXPECT_NE(error_of("").find("batten blobs"), std::string::npos);
-  EXPECT_NE(error_of("{\"batten_session\":1}\n").find("b.jsonl:1:"), std::string::npos);
-  EXPECT_NE(error_of("{\"format\":\"batten blobs\",\"version\":2}\n").find("newer batten"),
+  EXPECT_NE(blobs_error("").find("batten blobs"), std::string::npos);
+  EXPECT_NE(blobs_error("{\"batten_session\":1}\n").find("b.jsonl:1:"), std::string::npos);
+  EXPECT_NE(blobs_error("{\"format\":\"batten blobs\",\"version\":2}\n").find("newer batten"),
             std::string::npos);
-  EXPECT_NE(error_of(kHeader + "garbage\n" + kFrame).find("b.jsonl:2:"), std::string::npos);
-  EXPECT_NE(error_of(kHeader + "{\"time\":1}\n").find("neither a frame"), std::string::npos);
-  EXPECT_NE(error_of(kHeader + "{\"time\":1,\"camera\":\"top\",\"blobs\":[]}\n").find("left"),
+  EXPECT_NE(blobs_error(kHeader + "garbage\n" + kFrame).find("b.jsonl:2:"), std::string::npos);
+  EXPECT_NE(blobs_error(kHeader + "{\"time\":1}\n").find("neither a frame"), std::string::npos);
+  EXPECT_NE(blobs_error(kHeader + "{\"time\":1,\"camera\":\"top\",\"blobs\":[]}\n").find("left"),
             std::string::npos);
-  EXPECT_NE(error_of(kHeader + "{\"time\":1,\"camera\":\"left\",\"blobs\":[[1]]}\n").find("[u, v]"),
+  EXPECT_NE(blobs_error(kHeader + "{\"time\":1,\"camera\":\"left\",\"blobs\":[[1]]}\n").find("[u, v]"),
             std::string::npos);
-  EXPECT_NE(
-      error_of(kHeader + "{\"time\":1,\"camera\":\"left\",\"blobs\":[[1,2,1,2,1]]}\n").find("not positive"),
-      std::string::npos);
-  EXPECT_NE(
-      error_of(kHeader + "{\"time\":\"x\",\"camera\":\"left\",\"blobs\":[]}\n").find("time must be a number"),
-      std::string::npos);
+  EXPECT_NE(blobs_error(kHeader + "{\"time\":1,\"camera\":\"left\",\"blobs\":[[1,2,1,2,1]]}\n")
+                .find("not positive"),
+            std::string::npos);
+  EXPECT_NE(blobs_error(kHeader + "{\"time\":\"x\",\"camera\":\"left\",\"blobs\":[]}\n")
+                .find("time must be a number"),
+            std::string::npos);
 }
 
 TEST(PenPosesIo, ReadsBackAndPassesOverWhatWasLost) {

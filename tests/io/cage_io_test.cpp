@@ -1,5 +1,7 @@
 #include "batten/io/cage_io.hpp"
 
+#include "io/bad_files.hpp"
+
 #include <algorithm>
 #include <string>
 #include <vector>
@@ -11,6 +13,8 @@
 
 namespace batten {
 namespace {
+
+using namespace test;
 
 /// Two quads and a pentagon with a semi-sharp crease, a corner, a polyline along two edges, a point that
 /// nothing uses (vertex 4 of the file) and two that only the polyline uses (9 and 10).
@@ -35,17 +39,13 @@ t corner 1/1/0 3 3
 t interpolateboundary 1/0/0 2
 )";
 
-std::string error_of(const std::string& content) {
+std::string cage_error(const std::string& content) {
   try {
     parse_cage(content, "cage.obj");
   } catch (const FileError& error) {
     return error.what();
   }
   return "accepted";
-}
-
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  return text.replace(text.find(from), from.size(), to);
 }
 
 TEST(CageIo, ReadsPolygonsWhatIsSharpAndPolylines) {
@@ -110,18 +110,19 @@ TEST(CageIo, WritesPlyAndOffWithoutSplittingFaces) {
 }
 
 TEST(CageIo, NamesTheLineOfABadTag) {
-  EXPECT_NE(error_of(replaced(kObj, "3/2/0", "4/2/0")).find(":17: the tag announces"), std::string::npos)
-      << error_of(replaced(kObj, "3/2/0", "4/2/0"));
-  EXPECT_NE(error_of(replaced(kObj, " 0 1 5 2.5", " 0 1 6 2.5"))
+  EXPECT_NE(cage_error(replaced(kObj, "3/2/0", "4/2/0")).find(":17: the tag announces"), std::string::npos)
+      << cage_error(replaced(kObj, "3/2/0", "4/2/0"));
+  EXPECT_NE(cage_error(replaced(kObj, " 0 1 5 2.5", " 0 1 6 2.5"))
                 .find("no face has an edge between vertices 1 and 6"),
             std::string::npos);
-  EXPECT_NE(error_of(replaced(kObj, " 0 1 5 2.5", " 0 1 99 2.5")).find("vertex 99 of a tag"),
+  EXPECT_NE(cage_error(replaced(kObj, " 0 1 5 2.5", " 0 1 99 2.5")).find("vertex 99 of a tag"),
             std::string::npos);
-  EXPECT_NE(error_of(replaced(kObj, "2.5 10", "-1 10")).find("no number of 0 or more"), std::string::npos);
-  EXPECT_NE(error_of(replaced(kObj, "2.5 10", "nan 10")).find("no number of 0 or more"), std::string::npos);
-  EXPECT_NE(error_of(replaced(kObj, "1/1/0 3 3", "")).find("counts of a tag are missing"), std::string::npos);
-  EXPECT_NE(error_of("v 0 0 0\nv 1 0 0\nl 1 2\n").find("curve network"), std::string::npos);
-  EXPECT_NE(error_of("v 0 0 0\n").find("holds no faces"), std::string::npos);
+  EXPECT_NE(cage_error(replaced(kObj, "2.5 10", "-1 10")).find("no number of 0 or more"), std::string::npos);
+  EXPECT_NE(cage_error(replaced(kObj, "2.5 10", "nan 10")).find("no number of 0 or more"), std::string::npos);
+  EXPECT_NE(cage_error(replaced(kObj, "1/1/0 3 3", "")).find("counts of a tag are missing"),
+            std::string::npos);
+  EXPECT_NE(cage_error("v 0 0 0\nv 1 0 0\nl 1 2\n").find("curve network"), std::string::npos);
+  EXPECT_NE(cage_error("v 0 0 0\n").find("holds no faces"), std::string::npos);
 }
 
 TEST(CageIo, LeavesOutPolylinesThatFollowNoEdge) {

@@ -1,5 +1,7 @@
 #include "batten/io/mesh_io.hpp"
 
+#include "io/bad_files.hpp"
+
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -16,9 +18,9 @@
 namespace batten {
 namespace {
 
-namespace fs = std::filesystem;
+using namespace test;
 
-const std::string kData = BATTEN_SHARED_DATA;
+namespace fs = std::filesystem;
 
 /// A random closed-looking fan with normals and values: numbers with all their bits used.
 TriangleMesh random_mesh(double scale = 1) {
@@ -223,18 +225,6 @@ TEST(MeshIo, NormalsWithoutADirectionComeFromTheFaces) {
   EXPECT_NE(warnings[0].find("vertex 0"), std::string::npos);
 }
 
-struct BadFile {
-  const char* name;
-  std::string content;
-  long line;         // 0 where no line is to blame
-  const char* word;  // in the sentence
-};
-
-/// So that a failing row is named in the output.
-void PrintTo(const BadFile& file, std::ostream* out) {
-  *out << file.name << " " << file.content.substr(0, 40);
-}
-
 class BadMesh : public testing::TestWithParam<BadFile> {};
 
 TEST_P(BadMesh, IsRefusedWithFileLineAndReason) {
@@ -253,7 +243,6 @@ const std::string kPly =
     "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
     "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
 const std::string kVertices = "0 0 0\n1 0 0\n0 1 0\n";
-const std::string kGarbage("\x7f\x45\x4c\x46\x02\x01\x01\x00\x00\xff\xfe\x80 garbage \x00\x01", 24);
 
 INSTANTIATE_TEST_SUITE_P(
     Files, BadMesh,
@@ -335,7 +324,7 @@ TEST(MeshIo, ArraysThatDoNotFitAreNotWritten) {
 
 // Counts from the table of the public data.
 TEST(MeshIo, ReadsThePublicMeshes) {
-  if (!fs::exists(kData)) GTEST_SKIP() << "the public data is not at " << kData;
+  if (!fs::exists(kSharedData)) GTEST_SKIP() << "the public data is not at " << kSharedData;
   struct Known {
     const char* file;
     long vertices, triangles;
@@ -347,7 +336,7 @@ TEST(MeshIo, ReadsThePublicMeshes) {
         Known{"meshes/many_small_holes.ply", 2004, 3524, false}, Known{"meshes/snail.obj", 871, -1, false},
         Known{"denoise/fandisk_0.3_original.obj", 6475, 12946, true},
         Known{"curves/onmesh_torus.obj", 1728, 3456, false}}) {
-    const TriangleMesh mesh = read_mesh(kData + "/" + known.file);
+    const TriangleMesh mesh = read_mesh(kSharedData + "/" + known.file);
     EXPECT_EQ(mesh.n_vertices(), known.vertices) << known.file;
     if (known.triangles >= 0) {
       EXPECT_EQ(mesh.n_triangles(), known.triangles) << known.file;
@@ -357,7 +346,7 @@ TEST(MeshIo, ReadsThePublicMeshes) {
       EXPECT_LT((mesh.normals.rowwise().norm().array() - 1).abs().maxCoeff(), 1e-12) << known.file;
     }
   }
-  EXPECT_EQ(read_mesh(kData + "/meshes/many_small_holes.ply").vertex_values.count("quality"), 1u);
+  EXPECT_EQ(read_mesh(kSharedData + "/meshes/many_small_holes.ply").vertex_values.count("quality"), 1u);
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "batten/io/network_io.hpp"
 
+#include "io/bad_files.hpp"
+
 #include <cmath>
 #include <filesystem>
 
@@ -13,9 +15,9 @@
 namespace batten {
 namespace {
 
-namespace fs = std::filesystem;
+using namespace test;
 
-const std::string kData = BATTEN_SHARED_DATA;
+namespace fs = std::filesystem;
 
 /// Two curves that meet, one closed, with everything that a network can carry.
 CurveNetwork full_network(double scale = 1) {
@@ -141,17 +143,6 @@ TEST(NetworkIo, ContentDecidesWhereTheExtensionLies) {
   ASSERT_EQ(warnings.size(), 1u);
 }
 
-struct BadFile {
-  const char* name;
-  std::string content;
-  long line;         // 0 where no line is to blame
-  const char* word;  // in the sentence
-};
-
-void PrintTo(const BadFile& file, std::ostream* out) {
-  *out << file.name << " " << file.content.substr(0, 40);
-}
-
 class BadNetwork : public testing::TestWithParam<BadFile> {};
 
 TEST_P(BadNetwork, IsRefusedWithFileLineAndReason) {
@@ -167,7 +158,6 @@ TEST_P(BadNetwork, IsRefusedWithFileLineAndReason) {
 }
 
 const std::string kNet = "3\n0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n";
-const std::string kGarbage("\x7f\x45\x4c\x46\x02\x01\x01\x00\x00\xff\xfe\x80 garbage \x00\x01", 24);
 const std::string kJson =
     "{\"format\": \"batten-network\", \"version\": 1, \"positions\": [[0,0,0],[1,0,0]], ";
 
@@ -245,7 +235,7 @@ TEST(NetworkIo, UnwritablePlacesAndFormatsAreRefused) {
 
 // Counts from the table of the public data; chains and closed loops were counted by its maker.
 TEST(NetworkIo, ReadsThePublicCurveFiles) {
-  if (!fs::exists(kData)) GTEST_SKIP() << "the public data is not at " << kData;
+  if (!fs::exists(kSharedData)) GTEST_SKIP() << "the public data is not at " << kSharedData;
   struct Known {
     const char* file;
     long vertices;
@@ -257,7 +247,7 @@ TEST(NetworkIo, ReadsThePublicCurveFiles) {
         Known{"curves/sketch_car.obj", 3248, 68, 3}, Known{"curves/sketch_gamepad.obj", 4420, 108, 0},
         Known{"curves/pocket3sided.lop", -1, 3, 0}, Known{"curves/pocket6sided.lop", -1, 6, 0},
         Known{"networks/dish.net", 245, 20, 0}}) {
-    const CurveNetwork network = read_network(kData + "/" + known.file);
+    const CurveNetwork network = read_network(kSharedData + "/" + known.file);
     std::vector<int> uses(static_cast<size_t>(network.positions.rows()), 0);
     for (const NetworkCurve& curve : network.curves)
       for (const int v : curve.vertices) ++uses[static_cast<size_t>(v)];
@@ -274,13 +264,13 @@ TEST(NetworkIo, ReadsThePublicCurveFiles) {
 
 // The mesh is a torus whose vertices all lie on it; interpolated points lie inside by at most the sagitta.
 TEST(NetworkIo, CurvesOnAMeshGetTheirPointsAndNormalsFromIt) {
-  if (!fs::exists(kData)) GTEST_SKIP() << "the public data is not at " << kData;
-  const CurveNetwork network = read_network(kData + "/curves/onmesh_torus_curves.json");
+  if (!fs::exists(kSharedData)) GTEST_SKIP() << "the public data is not at " << kSharedData;
+  const CurveNetwork network = read_network(kSharedData + "/curves/onmesh_torus_curves.json");
   EXPECT_EQ(network.curves.size(), 10u);
   ASSERT_TRUE(network.has_normals());
   EXPECT_LT((network.normals.rowwise().norm().array() - 1).abs().maxCoeff(), 1e-12);
   for (const NetworkCurve& curve : network.curves) EXPECT_GT(curve.vertices.size(), 480u);
-  EXPECT_THROW(read_network(kData + "/curves/wireframe_trebol.xyz"), FileError);
+  EXPECT_THROW(read_network(kSharedData + "/curves/wireframe_trebol.xyz"), FileError);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "batten/io/rig_io.hpp"
 
 #include "camera/rigs.hpp"
+#include "io/bad_files.hpp"
 #include "scratch.hpp"
 
 #include <fstream>
@@ -48,12 +49,6 @@ std::string message(const std::string& text) {
     return error.what();
   }
   return {};
-}
-
-std::string replaced(std::string text, const std::string& what, const std::string& by) {
-  const std::size_t place = text.find(what);
-  EXPECT_NE(place, std::string::npos) << what;
-  return place == std::string::npos ? text : text.replace(place, what.size(), by);
 }
 
 // Written again, the same bytes: no field is lost or confused with another, for each has a value of its own.

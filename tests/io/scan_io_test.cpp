@@ -1,5 +1,6 @@
 #include "batten/io/scan_io.hpp"
 
+#include "io/bad_files.hpp"
 #include "scratch.hpp"
 
 #include <cmath>
@@ -15,6 +16,8 @@
 
 namespace batten {
 namespace {
+
+using namespace test;
 
 void expect_equal(const Scan& a, const Scan& b) {
   EXPECT_EQ(a.unit, b.unit);
@@ -43,12 +46,6 @@ const char* const kLine =
     "2\n"
     "+0.0 +1 0 0  0 0 1\n"
     "+2.5 +1 0 0  0 0 1\n";
-
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  const size_t place = text.find(from);
-  EXPECT_NE(place, std::string::npos) << from;
-  return text.replace(place, from.size(), to);
-}
 
 TEST(Rawnet, ReadsWhatTheFileSays) {
   const Scan scan = parse_rawnet(kLine, "line.rawnet");
@@ -138,19 +135,11 @@ TEST(Rawnet, ReadsOneFilePerCurve) {
   }
 }
 
-struct Bad {
-  const char* name;
-  const char* from;
-  const char* to;
-  long line;
-  const char* says;
-};
-
-class BadRawnet : public testing::TestWithParam<Bad> {};
+class BadRawnet : public testing::TestWithParam<BadChange> {};
 
 // Each change of the good file above breaks one rule; the sentence names the line and the matter.
 TEST_P(BadRawnet, IsRefusedWithLineAndReason) {
-  const Bad& bad = GetParam();
+  const BadChange& bad = GetParam();
   try {
     parse_rawnet(replaced(kLine, bad.from, bad.to), "bad.rawnet");
     ADD_FAILURE() << "accepted";
@@ -164,34 +153,34 @@ TEST_P(BadRawnet, IsRefusedWithLineAndReason) {
 INSTANTIATE_TEST_SUITE_P(
     Rawnet, BadRawnet,
     testing::Values(
-        Bad{"Truncated", "+2.5 +1 0 0  0 0 1\n", "", 9, "after 1 of 2 readings"},
-        Bad{"HalfALine", "+2.5 +1 0 0  0 0 1\n", "+2.5 +1 0", 9, "expected 7 numbers"},
-        Bad{"ReadingCountTooSmall", "2\n+0.0", "3\n+0.0", 10, "after 2 of 3 readings"},
-        Bad{"ReadingCountTooLarge", "+2.5 +1 0 0  0 0 1\n", "+1 1 0 0 0 0 1\n+2.5 +1 0 0  0 0 1\n", 10,
-            "number of curves or of readings"},
-        Bad{"CurveCountTooLarge", "1\n0 #", "2\n0 #", 10, "boundary flag of curve 2"},
-        Bad{"NoCurves", "1\n0 # interior\n0\n2\n1 2\n0 1\n2\n+0.0 +1 0 0  0 0 1\n+2.5 +1 0 0  0 0 1\n", "0\n",
-            1, "no curves"},
-        Bad{"NegativeCurves", "1\n0 #", "-1\n0 #", 1, "number of curves"},
-        Bad{"FlagTwo", "0 # interior", "2", 2, "boundary flag"},
-        Bad{"NodeCountMismatch", "2\n1 2\n", "3\n1 2\n", 5, "3 numbers as announced, found 2"},
-        Bad{"NodeIdMissing", "0 1\n2\n", "0\n2\n", 6, "2 numbers as announced, found 1"},
-        Bad{"PositionZero", "1 2\n", "0 1\n", 5, "positions count from 1"},
-        Bad{"PositionBeyond", "1 2\n", "1 3\n", 5, "outside 1 … 2"},
-        Bad{"PositionsFall", "1 2\n", "2 1\n", 5, "must increase"},
-        Bad{"NodeNumberGap", "0 1\n2", "0 7\n2", 6, "node number 7 is out of range"},
-        Bad{"NodeNumberNegative", "0 1\n2", "0 -1\n2", 6, "found \"-1\""},
-        Bad{"OneReading", "2\n+0.0 +1 0 0  0 0 1\n", "1\n", 7, "needs at least 2"},
-        Bad{"HugeCount", "2\n+0.0", "99999999999\n+0.0", 7, "number of readings"},
-        Bad{"NotANumber", "+2.5 +1", "+2.5 nan", 9, "finite"},
-        Bad{"Infinite", "+2.5 +1", "inf +1", 9, "finite"},
-        Bad{"ZeroTangent", "+2.5 +1", "+2.5 0", 9, "tangent of reading 2 of curve 1 has no length"},
-        Bad{"ZeroNormal", "+2.5 +1 0 0  0 0 1", "+2.5 +1 0 0  0 0 0", 9, "normal of reading 2"},
-        Bad{"Parallel", "+2.5 +1 0 0  0 0 1", "+2.5 +1 0 0  -2 0 0", 9, "parallel"},
-        Bad{"DistanceFalls", "+2.5", "-2.5", 9, "distance falls"},
-        Bad{"EightNumbers", "+2.5 +1 0 0  0 0 1", "+2.5 +1 0 0  0 0 1 9", 9, "expected 7 numbers"},
-        Bad{"Letters", "+2.5 +1", "+2.5 x1", 9, "expected 7 numbers"},
-        Bad{"TangentComment", "0 # interior", "# tangents: sideways\n0", 2, "to-next"}),
+        BadChange{"Truncated", "+2.5 +1 0 0  0 0 1\n", "", 9, "after 1 of 2 readings"},
+        BadChange{"HalfALine", "+2.5 +1 0 0  0 0 1\n", "+2.5 +1 0", 9, "expected 7 numbers"},
+        BadChange{"ReadingCountTooSmall", "2\n+0.0", "3\n+0.0", 10, "after 2 of 3 readings"},
+        BadChange{"ReadingCountTooLarge", "+2.5 +1 0 0  0 0 1\n", "+1 1 0 0 0 0 1\n+2.5 +1 0 0  0 0 1\n", 10,
+                  "number of curves or of readings"},
+        BadChange{"CurveCountTooLarge", "1\n0 #", "2\n0 #", 10, "boundary flag of curve 2"},
+        BadChange{"NoCurves", "1\n0 # interior\n0\n2\n1 2\n0 1\n2\n+0.0 +1 0 0  0 0 1\n+2.5 +1 0 0  0 0 1\n",
+                  "0\n", 1, "no curves"},
+        BadChange{"NegativeCurves", "1\n0 #", "-1\n0 #", 1, "number of curves"},
+        BadChange{"FlagTwo", "0 # interior", "2", 2, "boundary flag"},
+        BadChange{"NodeCountMismatch", "2\n1 2\n", "3\n1 2\n", 5, "3 numbers as announced, found 2"},
+        BadChange{"NodeIdMissing", "0 1\n2\n", "0\n2\n", 6, "2 numbers as announced, found 1"},
+        BadChange{"PositionZero", "1 2\n", "0 1\n", 5, "positions count from 1"},
+        BadChange{"PositionBeyond", "1 2\n", "1 3\n", 5, "outside 1 … 2"},
+        BadChange{"PositionsFall", "1 2\n", "2 1\n", 5, "must increase"},
+        BadChange{"NodeNumberGap", "0 1\n2", "0 7\n2", 6, "node number 7 is out of range"},
+        BadChange{"NodeNumberNegative", "0 1\n2", "0 -1\n2", 6, "found \"-1\""},
+        BadChange{"OneReading", "2\n+0.0 +1 0 0  0 0 1\n", "1\n", 7, "needs at least 2"},
+        BadChange{"HugeCount", "2\n+0.0", "99999999999\n+0.0", 7, "number of readings"},
+        BadChange{"NotANumber", "+2.5 +1", "+2.5 nan", 9, "finite"},
+        BadChange{"Infinite", "+2.5 +1", "inf +1", 9, "finite"},
+        BadChange{"ZeroTangent", "+2.5 +1", "+2.5 0", 9, "tangent of reading 2 of curve 1 has no length"},
+        BadChange{"ZeroNormal", "+2.5 +1 0 0  0 0 1", "+2.5 +1 0 0  0 0 0", 9, "normal of reading 2"},
+        BadChange{"Parallel", "+2.5 +1 0 0  0 0 1", "+2.5 +1 0 0  -2 0 0", 9, "parallel"},
+        BadChange{"DistanceFalls", "+2.5", "-2.5", 9, "distance falls"},
+        BadChange{"EightNumbers", "+2.5 +1 0 0  0 0 1", "+2.5 +1 0 0  0 0 1 9", 9, "expected 7 numbers"},
+        BadChange{"Letters", "+2.5 +1", "+2.5 x1", 9, "expected 7 numbers"},
+        BadChange{"TangentComment", "0 # interior", "# tangents: sideways\n0", 2, "to-next"}),
     [](const auto& bad) { return bad.param.name; });
 
 TEST(Rawnet, RefusesEmptyBinaryAndMissingFiles) {

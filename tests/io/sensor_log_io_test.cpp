@@ -1,5 +1,6 @@
 #include "batten/io/sensor_log_io.hpp"
 
+#include "io/bad_files.hpp"
 #include "scratch.hpp"
 
 #include <cmath>
@@ -13,6 +14,8 @@
 namespace batten {
 namespace {
 
+using namespace test;
+
 const char* const kLog =
     "# anything\n"
     "# axes: forward=-y normal=+z\n"
@@ -23,12 +26,6 @@ const char* const kLog =
     "0.5,3,0,0,0,0,9.81,20,1,-40,0.01,0,0\n"
     "1,3,,0.1,0,0.1,9.80,20,2,-40,0.02,0,nan\n"
     "1.5,3,1,0.2,0,0.2,9.79,20,3,-40,0.03,0,0\n";
-
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  const size_t place = text.find(from);
-  EXPECT_NE(place, std::string::npos) << from;
-  return text.replace(place, from.size(), to);
-}
 
 TEST(SensorLogFile, ReadsColumnsFlagsAndAxes) {
   const SensorLog log = parse_sensor_log(kLog, "log.csv");
@@ -70,18 +67,10 @@ TEST(SensorLogFile, WritingAndReadingLosesNothing) {
   EXPECT_EQ(back.axes.forward, log.axes.forward);
 }
 
-struct Bad {
-  const char* name;
-  const char* from;
-  const char* to;
-  long line;
-  const char* says;
-};
-
-class BadSensorLog : public testing::TestWithParam<Bad> {};
+class BadSensorLog : public testing::TestWithParam<BadChange> {};
 
 TEST_P(BadSensorLog, IsRefusedWithLineAndReason) {
-  const Bad& bad = GetParam();
+  const BadChange& bad = GetParam();
   try {
     parse_sensor_log(replaced(kLog, bad.from, bad.to), "bad.csv");
     ADD_FAILURE() << "accepted";
@@ -93,23 +82,23 @@ TEST_P(BadSensorLog, IsRefusedWithLineAndReason) {
 
 INSTANTIATE_TEST_SUITE_P(
     SensorLogFile, BadSensorLog,
-    testing::Values(Bad{"NoHeader", "time_s,curve,node", "1,2,3", 4, "names of the columns"},
-                    Bad{"ColumnTwice", "time_s,curve", "time_s,time_s", 4, "named twice"},
-                    Bad{"CellMissing", "0.5,3,0,0,", "0.5,3,0,", 6, "expected 13 cells"},
-                    Bad{"CellTooMany", "0.5,3,0,0,", "0.5,3,0,0,0,", 6, "found 14"},
-                    Bad{"NotANumber", "0.5,3", "x,3", 6, "expected a number for time_s"},
-                    Bad{"Infinite", "1,3,,0.1,0", "1,3,,0.1,inf", 7, "acc_x_m_s2"},
-                    Bad{"NoTime", "0.5,3", ",3", 6, "no time"},
-                    Bad{"FractionalCurve", "0.5,3,0", "0.5,3.5,0", 6, "whole number"},
-                    Bad{"NegativeNode", "0.5,3,0", "0.5,3,-1", 6, "whole number"},
-                    Bad{"NodeWithoutCurve", "0.5,3,0", "0.5,,0", 6, "a node needs a curve"},
-                    Bad{"TimeFalls", "1,3,,", "0.4,3,,", 7, "time falls"},
-                    Bad{"DistanceFalls", "1.5,3,1,0.2", "1.5,3,1,0.05", 8, "distance falls"},
-                    Bad{"NodeGap", "1.5,3,1", "1.5,3,9", 8, "out of range"},
-                    Bad{"CurveResumed", "1,3,,0.1", "1,4,,0.1", 8, "taken up again"},
-                    Bad{"UnknownFlag", "boundary closed", "boundary round", 3, "found \"round\""},
-                    Bad{"UnknownAxis", "forward=-y", "forward=w", 2, "device axes"},
-                    Bad{"ParallelAxes", "forward=-y", "forward=-z", 2, "right angles"}),
+    testing::Values(BadChange{"NoHeader", "time_s,curve,node", "1,2,3", 4, "names of the columns"},
+                    BadChange{"ColumnTwice", "time_s,curve", "time_s,time_s", 4, "named twice"},
+                    BadChange{"CellMissing", "0.5,3,0,0,", "0.5,3,0,", 6, "expected 13 cells"},
+                    BadChange{"CellTooMany", "0.5,3,0,0,", "0.5,3,0,0,0,", 6, "found 14"},
+                    BadChange{"NotANumber", "0.5,3", "x,3", 6, "expected a number for time_s"},
+                    BadChange{"Infinite", "1,3,,0.1,0", "1,3,,0.1,inf", 7, "acc_x_m_s2"},
+                    BadChange{"NoTime", "0.5,3", ",3", 6, "no time"},
+                    BadChange{"FractionalCurve", "0.5,3,0", "0.5,3.5,0", 6, "whole number"},
+                    BadChange{"NegativeNode", "0.5,3,0", "0.5,3,-1", 6, "whole number"},
+                    BadChange{"NodeWithoutCurve", "0.5,3,0", "0.5,,0", 6, "a node needs a curve"},
+                    BadChange{"TimeFalls", "1,3,,", "0.4,3,,", 7, "time falls"},
+                    BadChange{"DistanceFalls", "1.5,3,1,0.2", "1.5,3,1,0.05", 8, "distance falls"},
+                    BadChange{"NodeGap", "1.5,3,1", "1.5,3,9", 8, "out of range"},
+                    BadChange{"CurveResumed", "1,3,,0.1", "1,4,,0.1", 8, "taken up again"},
+                    BadChange{"UnknownFlag", "boundary closed", "boundary round", 3, "found \"round\""},
+                    BadChange{"UnknownAxis", "forward=-y", "forward=w", 2, "device axes"},
+                    BadChange{"ParallelAxes", "forward=-y", "forward=-z", 2, "right angles"}),
     [](const auto& bad) { return bad.param.name; });
 
 TEST(SensorLogFile, RefusesFilesWithoutReadings) {

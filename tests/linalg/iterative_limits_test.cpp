@@ -42,7 +42,7 @@ SparseMatrix scattered(int n) {
 }
 
 // The residual of the report is that of the solution, worked out again here.
-TEST(Iterative, SaysWhenItDidNotConverge) {
+TEST(Iterative, ReportsTheResidualWhereItDidNotConverge) {
   const SparseMatrix A = scattered(400);
   const Eigen::MatrixXd B = Eigen::MatrixXd::Random(400, 1);
   for (const Solver solver : kSolvers) {

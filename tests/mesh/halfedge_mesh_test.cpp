@@ -40,7 +40,7 @@ Arrays grid(int n, int m, bool closed) {
   return mesh;
 }
 
-Arrays tetrahedron() {
+Arrays tetrahedron_arrays() {
   Arrays mesh;
   mesh.positions.resize(4, 3);
   mesh.positions << 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1;
@@ -169,8 +169,8 @@ TEST(HalfedgeMesh, CollapsesEndAtTheSmallestMeshes) {
     EXPECT_EQ(mesh.breach(), "");
     return mesh;
   };
-  EXPECT_EQ(shrink(grid(5, 4, false)).n_faces(), 1);  // a disc: one triangle
-  EXPECT_EQ(shrink(tetrahedron()).n_faces(), 4);      // a sphere: the tetrahedron itself
+  EXPECT_EQ(shrink(grid(5, 4, false)).n_faces(), 1);     // a disc: one triangle
+  EXPECT_EQ(shrink(tetrahedron_arrays()).n_faces(), 4);  // a sphere: the tetrahedron itself
   EXPECT_EQ(euler(shrink(grid(6, 5, true))), 0);
 }
 

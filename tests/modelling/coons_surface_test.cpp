@@ -78,7 +78,7 @@ PolylineMesh mapped(const ControlCage& cage, const std::function<Vector3d(const 
 }
 
 /// A torus of radii 2 and 0.7, n × m patches, its curves circles.
-PolylineMesh torus(int n, int m) {
+PolylineMesh round_torus(int n, int m) {
   const ControlCage cage = cages::torus(n, m);
   return models::model_of_cage(cage.mesh, [&](int from, int to) {
     constexpr int kPoints = 32;
@@ -125,7 +125,7 @@ TEST(CoonsSurface, TestNetworksLieWithinTheFiguresOfTheDocs) {
                       [](const Vector3d& p) { return p.norm() - 1; }, 2 * std::sqrt(3.0), 0.0034, 0.00145});
   networks.push_back({"ellipsoid, 24 patches", mapped(refined_cube, ellipsoid), from_ellipsoid,
                       2 * axes.norm(), 0.0032, 0.0012});
-  networks.push_back({"torus, 8 x 4 patches", torus(8, 4),
+  networks.push_back({"torus, 8 x 4 patches", round_torus(8, 4),
                       [](const Vector3d& p) { return std::hypot(std::hypot(p.x(), p.y()) - 2, p.z()) - 0.7; },
                       std::hypot(5.4, 5.4, 1.4), 0.0014, 0.0005});
   // An open tube of 4 x 2 patches: surfaces of translation, so the patches are exact.

@@ -1,5 +1,7 @@
 #include "batten/modelling/coons.hpp"
 
+#include "modelling/sides_over.hpp"
+
 #include <cmath>
 #include <functional>
 
@@ -12,42 +14,32 @@ namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
+using namespace test;
 
-/// The curve of a map over the line between two places, sampled densely.
-SharedPolyline curve(const std::function<Vector3d(Vector2d)>& map, const Vector2d& from, const Vector2d& to,
-                     int n = 400) {
-  Points points(n + 1, 3);
-  for (int i = 0; i <= n; ++i) {
-    const double t = static_cast<double>(i) / n;
+constexpr int kDense = 400;  // pieces of a curve
+
+/// The curve of a map over the line between two places.
+SharedPolyline curve(const std::function<Vector3d(Vector2d)>& map, const Vector2d& from, const Vector2d& to) {
+  Points points(kDense + 1, 3);
+  for (int i = 0; i <= kDense; ++i) {
+    const double t = static_cast<double>(i) / kDense;
     points.row(i) = map((1 - t) * from + t * to).transpose();
   }
   return std::make_shared<Polyline>(points);
 }
 
-std::vector<SharedPolyline> sides_over(const std::function<Vector3d(Vector2d)>& map,
-                                       const std::vector<Vector2d>& corners) {
-  std::vector<SharedPolyline> sides;
-  for (size_t k = 0; k < corners.size(); ++k)
-    sides.push_back(curve(map, corners[k], corners[(k + 1) % corners.size()]));
-  return sides;
-}
-
 const std::vector<Vector2d> kSquare{{0, 0}, {1, 0}, {1, 1}, {0, 1}};
 
 CoonsPatch patch_over(const std::function<Vector3d(Vector2d)>& map) {
-  const auto sides = sides_over(map, kSquare);
+  const auto sides = sides_over(map, kSquare, kDense);
   return CoonsPatch({sides[0], sides[1], sides[2], sides[3]});
-}
-
-Vector3d flat(const Vector2d& p) {
-  return {p.x(), p.y(), 0};
 }
 
 TEST(CoonsPatch, GoesThroughItsFourCurves) {
   const auto wave = [](const Vector2d& p) {
     return Vector3d(p.x(), p.y(), 0.3 * std::sin(3 * p.x()) + p.x() * p.y() * p.y());
   };
-  const auto sides = sides_over(wave, kSquare);
+  const auto sides = sides_over(wave, kSquare, kDense);
   const CoonsPatch patch({sides[0], sides[1], sides[2], sides[3]});
   for (int i = 0; i <= 10; ++i) {
     const double t = i / 10.0;
@@ -80,8 +72,8 @@ TEST(CoonsPatch, FindsTheParametersOfItsPoints) {
 // H fig. 6.1: the corners of the quad are those with the smallest angles, and the others lie on its sides at
 // their share of the length.
 TEST(AssociateQuad, TakesTheFourSmallestAngles) {
-  const FacePatch face =
-      associate_quad(sides_over(flat, {{0.25, 0}, {1, 0}, {1.02, 0.5}, {1, 1}, {0.5, 1.02}, {0, 1}, {0, 0}}));
+  const FacePatch face = associate_quad(
+      sides_over(flat, {{0.25, 0}, {1, 0}, {1.02, 0.5}, {1, 1}, {0.5, 1.02}, {0, 1}, {0, 0}}, kDense));
   EXPECT_EQ(face.parameters[1], Vector2d(0, 0));  // the first corner of the quad in the order of the face
   EXPECT_EQ(face.parameters[3], Vector2d(1, 0));
   EXPECT_EQ(face.parameters[5], Vector2d(1, 1));
@@ -103,7 +95,7 @@ TEST(AssociateQuad, TakesTheFourSmallestAngles) {
 TEST(AssociateQuad, KnowsFacesOfFourCorners) {
   const auto has_four = [](const std::function<Vector3d(Vector2d)>& map,
                            const std::vector<Vector2d>& corners) {
-    return associate_quad(sides_over(map, corners)).has_four_corners;
+    return associate_quad(sides_over(map, corners, kDense)).has_four_corners;
   };
   const auto cone = [](const Vector2d& p) {
     const double radius = 1 + 0.5 * p.y();
@@ -122,7 +114,7 @@ TEST(AssociateQuad, KnowsFacesOfFourCorners) {
 
 TEST(AssociateQuad, GivesTrianglesASideWithoutLengthAndHalvesTheSidesOfDigons) {
   // A needle: its two long sides meet at corner 1.
-  const FacePatch triangle = associate_quad(sides_over(flat, {{0, 0}, {4, 0.5}, {0, 1}}));
+  const FacePatch triangle = associate_quad(sides_over(flat, {{0, 0}, {4, 0.5}, {0, 1}}, kDense));
   EXPECT_EQ(triangle.parameters[1], Vector2d(0.5, 0));
   for (const double u : {0.0, 0.3, 1.0})
     EXPECT_LT((triangle.patch.at(u, 0) - Vector3d(4, 0.5, 0)).norm(), 1e-14);

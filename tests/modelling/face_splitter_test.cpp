@@ -7,7 +7,6 @@
 namespace batten {
 namespace {
 
-using detail::FaceSplit;
 using detail::FaceSplitter;
 using detail::PlanePoints;
 using Eigen::Vector2d;
@@ -23,7 +22,7 @@ PlanePoints boundary(const std::vector<Vector2d>& corners, int m) {
   return points;
 }
 
-double doubled_area(const FaceSplit& split) {
+double doubled_area(const detail::FaceSplit& split) {
   double sum = 0;
   for (const std::array<int, 4>& q : split.quads) {
     const Vector2d a = split.domain.row(q[2]) - split.domain.row(q[0]),
@@ -33,13 +32,13 @@ double doubled_area(const FaceSplit& split) {
   return sum;
 }
 
-const std::vector<Vector2d> kSquare{{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+const std::vector<Vector2d> kUnitSquare{{0, 0}, {1, 0}, {1, 1}, {0, 1}};
 const std::vector<Vector2d> kLetter{{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}};  // an L
 
 // m² equal squares, each cut into two triangles with a right angle, whose quality is 4 √3 A / Σ l² = √3 / 2.
 TEST(FaceSplitter, ASquareBecomesEqualSquares) {
-  FaceSplitter splitter(4, 4, boundary(kSquare, 4));
-  for (const FaceSplit& split : {splitter.run(detail::kWhole), splitter.run_grid({0, 1, 2, 3})}) {
+  FaceSplitter splitter(4, 4, boundary(kUnitSquare, 4));
+  for (const detail::FaceSplit& split : {splitter.run(detail::kWhole), splitter.run_grid({0, 1, 2, 3})}) {
     EXPECT_EQ(split.quads.size(), 16U);
     EXPECT_EQ(split.domain.rows(), 25);
     EXPECT_EQ(split.n_boundary, 16);
@@ -52,13 +51,13 @@ TEST(FaceSplitter, ASquareBecomesEqualSquares) {
 // The concave corner, 270°, is cut off into two pieces; kept whole, the face is one, of as much area.
 TEST(FaceSplitter, ConcaveCornersAreCutOffWhereWanted) {
   FaceSplitter splitter(6, 4, boundary(kLetter, 4));
-  const FaceSplit cut = splitter.run(detail::kReflexFrom);
+  const detail::FaceSplit cut = splitter.run(detail::kReflexFrom);
   EXPECT_EQ(cut.n_pieces, 2);
   ASSERT_EQ(cut.cuts.size(), 1U);
   EXPECT_EQ(cut.cuts[0][0], 3 * 4) << "from the corner (1, 1)";
   EXPECT_NEAR(doubled_area(cut), 6, 1e-12);
   EXPECT_TRUE(splitter.is_valid());
-  const FaceSplit whole = splitter.run(detail::kWhole);
+  const detail::FaceSplit whole = splitter.run(detail::kWhole);
   EXPECT_EQ(whole.n_pieces, 1);
   EXPECT_TRUE(whole.cuts.empty());
   EXPECT_NEAR(doubled_area(whole), 6, 1e-12);

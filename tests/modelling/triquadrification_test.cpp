@@ -1,5 +1,7 @@
 #include "batten/modelling/triquadrification.hpp"
 
+#include "modelling/sides_over.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -18,24 +20,7 @@ namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-using Map = std::function<Vector3d(const Vector2d&)>;
-
-std::vector<SharedPolyline> sides_over(const Map& map, const std::vector<Vector2d>& corners, int n = 40) {
-  std::vector<SharedPolyline> sides;
-  for (size_t k = 0; k < corners.size(); ++k) {
-    Points points(n + 1, 3);
-    for (int i = 0; i <= n; ++i) {
-      const double t = static_cast<double>(i) / n;
-      points.row(i) = map((1 - t) * corners[k] + t * corners[(k + 1) % corners.size()]).transpose();
-    }
-    sides.push_back(std::make_shared<Polyline>(points));
-  }
-  return sides;
-}
-
-Vector3d flat(const Vector2d& p) {
-  return {p.x(), p.y(), 0};
-}
+using namespace test;
 
 /// The outline of H fig. 3.2.
 const std::vector<Vector2d> kCross{{1, -1}, {3, -1}, {3, 1},   {1, 1},   {1, 3},   {-1, 3},

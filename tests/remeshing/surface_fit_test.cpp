@@ -12,16 +12,16 @@
 namespace batten {
 namespace {
 
-struct Fitted {
+struct FittedSurface {
   Shape shape;
   SurfaceFitResult result;
 };
 
 /// A square grid of n × n cells, with `height` at its vertices, fitted to one of `reference` heights.
 template <typename Height, typename Reference>
-Fitted fitted(int n, const Height& height, const Reference& reference, bool hold_border,
-              const SurfaceFitOptions& options = {}) {
-  Fitted fit;
+FittedSurface fitted(int n, const Height& height, const Reference& reference, bool hold_border,
+                     const SurfaceFitOptions& options = {}) {
+  FittedSurface fit;
   fit.shape = fixtures::grid(n, n, false, false,
                              [&](double u, double v) { return Eigen::Vector3d(u, v, height(u, v)); });
   const Shape fine = fixtures::grid(
@@ -37,7 +37,7 @@ Fitted fitted(int n, const Height& height, const Reference& reference, bool hold
   return fit;
 }
 
-double flat(double, double) {
+double level(double, double) {
   return 0;
 }
 
@@ -46,7 +46,7 @@ double flat(double, double) {
 TEST(FittedToSurface, FlattensSmallDents) {
   Random random(2);
   const auto dents = [&](double, double) { return 1e-3 * random.normal(); };
-  const Fitted fit = fitted(10, dents, flat, false);
+  const FittedSurface fit = fitted(10, dents, level, false);
   EXPECT_TRUE(fit.result.solve.converged);
   const double before = fit.shape.positions.col(2).cwiseAbs().maxCoeff(),
                after = fit.result.positions.col(2).cwiseAbs().maxCoeff();
@@ -57,8 +57,8 @@ TEST(FittedToSurface, FlattensSmallDents) {
 // Vertices that are held stay to the bit; where the mesh fits already nothing moves.
 TEST(FittedToSurface, LeavesWhatIsHeldAndWhatFits) {
   Random random(2);
-  const Fitted fit = fitted(
-      10, [&](double, double) { return 1e-3 * random.normal(); }, flat, true);
+  const FittedSurface fit = fitted(
+      10, [&](double, double) { return 1e-3 * random.normal(); }, level, true);
   int held = 0, moved = 0;
   for (Eigen::Index v = 0; v < fit.shape.positions.rows(); ++v) {
     const double x = fit.shape.positions(v, 0), y = fit.shape.positions(v, 1);
@@ -71,7 +71,7 @@ TEST(FittedToSurface, LeavesWhatIsHeldAndWhatFits) {
   }
   EXPECT_EQ(held, 40);
   EXPECT_EQ(moved, 81);
-  const Fitted same = fitted(6, flat, flat, false);
+  const FittedSurface same = fitted(6, level, level, false);
   EXPECT_LT((same.result.positions - same.shape.positions).cwiseAbs().maxCoeff(), 1e-12);
 }
 
@@ -79,7 +79,7 @@ TEST(FittedToSurface, LeavesWhatIsHeldAndWhatFits) {
 // height over the bowl falls to a small part.
 TEST(FittedToSurface, SpreadsTheErrorOverBothSides) {
   const auto bowl = [](double u, double v) { return 0.3 * ((u - 0.5) * (u - 0.5) + (v - 0.5) * (v - 0.5)); };
-  const Fitted fit = fitted(8, bowl, bowl, false, {.normals = 0});
+  const FittedSurface fit = fitted(8, bowl, bowl, false, {.normals = 0});
   const auto mean_height = [&](const Points& positions) {
     double sum = 0;
     for (Eigen::Index f = 0; f < fit.shape.triangles.rows(); ++f) {
@@ -100,7 +100,7 @@ TEST(FittedToSurface, SpreadsTheErrorOverBothSides) {
 TEST(FittedToSurface, MovesNoFurtherThanItMay) {
   const auto above = [](double, double) { return 0.2; };
   for (const double most : {0.05, 0.25}) {
-    const Fitted fit = fitted(8, flat, above, false, {.most = most});
+    const FittedSurface fit = fitted(8, level, above, false, {.most = most});
     const double furthest = (fit.result.positions - fit.shape.positions).rowwise().norm().maxCoeff();
     EXPECT_NEAR(furthest, most / 8, 1e-9);
   }

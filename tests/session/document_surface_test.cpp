@@ -42,7 +42,7 @@ Document sheet() {
 }
 
 /// One of: a curve over some cells, a deletion, a sharpness, undo, redo. Some are refused.
-Edit random_edit(const Document& document, Random& random) {
+Edit random_surface_edit(const Document& document, Random& random) {
   const double kind = random.uniform();
   const auto curve = [&] {
     return static_cast<int>(random.below(static_cast<std::uint64_t>(model_of(document).n_curves())));
@@ -87,7 +87,7 @@ TEST(DocumentSurface, FollowsRandomEditsUndoAndRedo) {
     DiffusionSurface last;
     for (int k = 0; k < 30; ++k) {
       try {
-        document.apply(random_edit(document, random));
+        document.apply(random_surface_edit(document, random));
       } catch (const RefusedEdit&) {
         continue;
       }

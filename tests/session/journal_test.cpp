@@ -21,7 +21,7 @@ using namespace strokes;
 using namespace test;
 
 /// Committed files of format 1, written before there was another.
-const std::string kData = BATTEN_EXAMPLES "/../tests/session/data";
+const std::string kJournals = BATTEN_EXAMPLES "/../tests/session/data";
 
 Document played(const Session& session, int* refused = nullptr) {
   Document document;
@@ -92,7 +92,7 @@ TEST(Session, UnfinishedLastLineIsToldAndPassedOver) {
 }
 
 TEST(Session, FilesOfFormat1StillOpen) {
-  const Session session = read_session(kData + "/format_1.jsonl");
+  const Session session = read_session(kJournals + "/format_1.jsonl");
   EXPECT_EQ(session.format, 1);
   EXPECT_EQ(session.n_implied, 2u);
   EXPECT_EQ(session.edits[session.n_implied].line, 2);
@@ -115,7 +115,7 @@ TEST(Session, FilesOfFormat1StillOpen) {
 
 TEST(Session, WrittenInFormat2ItIsTheSame) {
   int refused = 0;
-  const Document document = played(read_session(kData + "/format_1.jsonl"), &refused);
+  const Document document = played(read_session(kJournals + "/format_1.jsonl"), &refused);
   const std::string path = scratch_file("written.jsonl");
   write_session(path, document.log());
   const Session session = read_session(path);

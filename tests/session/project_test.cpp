@@ -17,7 +17,7 @@ namespace {
 using namespace strokes;
 using namespace test;
 
-const std::string kData = BATTEN_EXAMPLES "/../tests/session/data";
+const std::string kProjects = BATTEN_EXAMPLES "/../tests/session/data";
 
 Document sphere() {
   Document document = one_model();
@@ -44,7 +44,7 @@ TEST(Project, ReadsBackBitForBitWithItsHistory) {
 }
 
 TEST(Project, FilesOfFormat1StillOpenWithTheirHistory) {
-  ProjectFile read = read_project(kData + "/format_1.batten");
+  ProjectFile read = read_project(kProjects + "/format_1.batten");
   EXPECT_TRUE(read.warnings.empty());
   EXPECT_EQ(read.format, 1);
   EXPECT_EQ(read.document.object(kModel).name, "model");
@@ -52,7 +52,7 @@ TEST(Project, FilesOfFormat1StillOpenWithTheirHistory) {
   EXPECT_EQ(model_of(read.document).counts().faces, 8);
   // What a session of format 1 was played into is what the project of format 1 holds.
   Document played;
-  for (const SessionEdit& edit : read_session(kData + "/format_1.jsonl").edits) try {
+  for (const SessionEdit& edit : read_session(kProjects + "/format_1.jsonl").edits) try {
       played.apply(edit.edit);
     } catch (const RefusedEdit&) {
     }

@@ -29,7 +29,7 @@ Vector3d cubic(double t) {
   return {1 + t, 2 * t * t - t, 3 * t * t * t - 2 * t};
 }
 
-Vector3d circle(double t) {
+Vector3d circle_point(double t) {
   return {std::cos(2 * kPi * t), std::sin(2 * kPi * t), 0};
 }
 
@@ -62,7 +62,7 @@ TEST(StrokeSpline, BendingStraightens) {
 TEST(StrokeSpline, PeriodicOnesComeRoundSmoothly) {
   const auto worst = [](int spans) {
     const StrokeSpline spline =
-        detail::least_squares_spline(samples_of(circle, 400), {}, spans, /*periodic=*/true, 0);
+        detail::least_squares_spline(samples_of(circle_point, 400), {}, spans, /*periodic=*/true, 0);
     const double h = 1e-4;
     EXPECT_LT((spline.at(0) - spline.at(1)).norm(), 1e-12);
     EXPECT_LT((spline.at(h) - spline.at(0) - (spline.at(1) - spline.at(1 - h))).norm(), 100 * h * h);
@@ -113,7 +113,7 @@ TEST(StrokeSpline, NoiseLimitsTheSpans) {
 
 // n chords of a circle of radius 1 leave it by 1 − cos(π / n), which is to be 1e-5 of the length 2 π.
 TEST(StrokeSpline, IsSampledAsFinelyAsItTurns) {
-  const StrokeSpline round = detail::least_squares_spline(samples_of(circle, 400), {}, 64, true, 0);
+  const StrokeSpline round = detail::least_squares_spline(samples_of(circle_point, 400), {}, 64, true, 0);
   const int n = detail::samples_needed(round, 0, 1, 2 * kPi);
   EXPECT_NEAR(n, kPi / std::acos(1 - 2e-5 * kPi), 4);
   const auto line = [](double t) { return Vector3d(t, 0, 0); };
@@ -122,7 +122,7 @@ TEST(StrokeSpline, IsSampledAsFinelyAsItTurns) {
   const Points points = detail::sampled(round, 0.75, 1.25, 10);
   ASSERT_EQ(points.rows(), 11);
   for (int i = 0; i <= 10; ++i)
-    EXPECT_LT((points.row(i).transpose() - circle(0.75 + 0.05 * i)).norm(), 1e-5) << "over the seam " << i;
+    EXPECT_LT((points.row(i).transpose() - circle_point(0.75 + 0.05 * i)).norm(), 1e-5) << "over the seam " << i;
 }
 
 }  // namespace
