@@ -122,7 +122,8 @@ TEST(StrokeSpline, IsSampledAsFinelyAsItTurns) {
   const Points points = detail::sampled(round, 0.75, 1.25, 10);
   ASSERT_EQ(points.rows(), 11);
   for (int i = 0; i <= 10; ++i)
-    EXPECT_LT((points.row(i).transpose() - circle_point(0.75 + 0.05 * i)).norm(), 1e-5) << "over the seam " << i;
+    EXPECT_LT((points.row(i).transpose() - circle_point(0.75 + 0.05 * i)).norm(), 1e-5)
+        << "over the seam " << i;
 }
 
 }  // namespace

@@ -29,7 +29,8 @@ double known(double ratio) {
 
 /// Mean angle between the normals of one surface and those of the nearest triangles of another, at random
 /// points: centres of triangles are where a remeshing may have fitted them.
-double normal_error(const TriangleMesh& from, const TriangleMesh& to, const TriangleTree& to_tree) {
+double normal_error(const TriangleMesh& from, const TriangleMesh& to, const TriangleTree& to_tree,
+                    const Progress& progress) {
   const Points normals = face_normals(from.positions, from.triangles);
   const Points to_normals = face_normals(to.positions, to.triangles);
   const Eigen::VectorXd areas = face_areas(from.positions, from.triangles);
@@ -53,7 +54,7 @@ double normal_error(const TriangleMesh& from, const TriangleMesh& to, const Tria
     points.row(s) = (1 - u - v) * corner(0) + u * corner(1) + v * corner(2);
     triangle[s] = f;
   }
-  const std::vector<ClosestPoint> closest = to_tree.closest(points);
+  const std::vector<ClosestPoint> closest = to_tree.closest(points, progress);
   double sum = 0;
   for (int s = 0; s < kNormalSamples; ++s) {
     const Vector3d a = normals.row(triangle[s]), b = to_normals.row(closest[s].element);
@@ -103,7 +104,7 @@ RemeshMeasures remesh_measures(const TriangleMesh& original, const TriangleMesh&
         distances(tree.closest(before.positions, progress.part("measuring", 0.5, 0.8))).mean() / diameter;
 
   progress.report("measuring", 0.8);
-  measures.normal_error = normal_error(before, after, tree);
+  measures.normal_error = normal_error(before, after, tree, progress.part("measuring", 0.8, 1));
   return measures;
 }
 
