@@ -13,6 +13,7 @@
 #include "batten/session/journal.hpp"
 #include "batten/session/playing.hpp"
 #include "batten/session/project.hpp"
+#include "batten/subdivision/bspline_blocks.hpp"
 #include "batten/subdivision/bspline_surface.hpp"
 #include "batten/subdivision/step.hpp"
 
@@ -161,13 +162,23 @@ void write_surface(const SketchArguments& arguments, TriangleMesh mesh, Json& fi
 void write_patches(const SketchArguments& arguments, const std::string& unit, const ControlCage& cage,
                    const Context& context, Json& figures, Outcome& outcome) {
   const ScopedStage stage(outcome.times, "step");
-  const BsplineSurface patches = limit_bsplines(cage, {}, context.progress);
+  const double diameter = bounding_box_diagonal(cage.mesh.positions);
+  const BsplineSurface patches =
+      joined_bsplines(limit_bsplines(cage, {}, context.progress), context.progress);
   StepOptions step;
   step.millimetres_per_unit = millimetres_in(unit);
-  write_file(arguments.step, format_step(patches, step));
-  figures["patches"] = patches.patches.size();
-  figures["step_deviation"] = patches.deviation;
-  outcome.lines.push_back(concat(arguments.step, ": ", patches.patches.size(), " patches"));
+  const std::string text = format_step(patches, step);
+  write_file(arguments.step, text);
+  Json& written = figures["step"];
+  written["faces"] = patches.patches.size();
+  written["edges"] = patches.edges.size();
+  written["relative_deviation"] = patches.deviation / diameter;
+  written["normal_jump_deg"] = degrees(patches.normal_jump);
+  written["bytes"] = text.size();
+  outcome.lines.push_back(concat(arguments.step, ": ", patches.patches.size(), " B-spline faces; within ",
+                                 100 * patches.deviation / diameter,
+                                 " % of the diameter, normals at smooth edges within ",
+                                 degrees(patches.normal_jump), " degrees"));
 }
 
 /// What is made of the model beside the project: a mesh with its measures, a STEP file.
@@ -280,7 +291,7 @@ void add_sketch(CLI::App& app) {
   command->add_option("-o,--output", arguments->output, "Project to write: .batten")->required();
   command->add_option("--surface", arguments->surface, "Surface to write: .ply, .obj, .off or .stl");
   add_model_surface_options(*command, arguments->model_surface);
-  command->add_option("--step", arguments->step, "STEP file to write: the limit surface as B-spline patches");
+  command->add_option("--step", arguments->step, "STEP file to write: the limit surface as B-spline faces");
   command->add_option("--model", arguments->model, "Name of the model, where the project has several");
   command->add_flag("--strict", arguments->strict, "Exit with 1 when an edit was refused");
   command->add_flag("--accept-flaws", arguments->accept_flaws,

@@ -5,6 +5,7 @@
 
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
+#include "batten/subdivision/bspline_blocks.hpp"
 
 namespace batten {
 
@@ -41,7 +42,7 @@ CagePatches cage_patches(const ControlCage& cage, const CagePatchesOptions& opti
     BsplineOptions limit;
     limit.tolerance = options.tolerance;
     limit.smooth_corners = smooth_corners;
-    patches.surface = limit_bsplines(cage, limit, progress);
+    patches.surface = joined_bsplines(limit_bsplines(cage, limit, progress), progress);
   }
   {
     const ScopedStage stage(times, "step");

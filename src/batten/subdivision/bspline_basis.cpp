@@ -76,4 +76,20 @@ BsplineBasis bspline_basis(const std::vector<double>& knots, double t) {
   return result;
 }
 
+PolarWeights polar_weights(const std::vector<double>& knots, double inside, const PolarArguments& arguments) {
+  PolarWeights result;
+  const int span = span_of(knots, inside);
+  result.first = span - 3;
+  std::array<std::array<double, 4>, 4> d{};  // the scheme on the unit vectors
+  for (std::size_t i = 0; i < 4; ++i) d[i][i] = 1;
+  for (int r = 1; r <= 3; ++r)
+    for (int j = 3; j >= r; --j) {
+      const double low = knots[at(span - 3 + j)], high = knots[at(span + 1 + j - r)];
+      const double t = (arguments[at(r - 1)] - low) / (high - low);
+      for (std::size_t i = 0; i < 4; ++i) d[at(j)][i] = (1 - t) * d[at(j - 1)][i] + t * d[at(j)][i];
+    }
+  result.weights = d[3];
+  return result;
+}
+
 }  // namespace batten::detail

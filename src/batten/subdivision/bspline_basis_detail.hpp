@@ -33,4 +33,12 @@ struct BsplineBasis {
 /// @pre t is in [0, 1].
 BsplineBasis bspline_basis(const std::vector<double>& knots, double t);
 
+/// The polar form of a cell of a spline as weights of four of its control points (de Boor's scheme).
+struct PolarWeights {
+  int first = 0;  ///< number of the first of them
+  std::array<double, 4> weights{};
+};
+/// @param inside  a parameter in the cell.
+PolarWeights polar_weights(const std::vector<double>& knots, double inside, const PolarArguments& arguments);
+
 }  // namespace batten::detail
