@@ -37,6 +37,9 @@ struct SimulateArguments {
   int planes = MeshSectionOptions().planes;
   bool raw = false;
   bool distortion = true;
+  bool gyroscope = false;
+  GyroscopeOptions gyroscope_errors;
+  std::string gyroscope_bias, gyroscope_walk, gyroscope_scale, gyroscope_misalignment, gyroscope_temperature;
   SimulatePenArguments pen;
 };
 
@@ -75,6 +78,22 @@ SimulateOptions options_of(const SimulateArguments& arguments) {
   options.outliers = parse_fraction(arguments.outliers);
   options.disturbance = parse_angle(arguments.disturbance);
   options.curve_length_error = parse_fraction(arguments.curve_length_error);
+  if (const auto problem = options.problem()) throw CLI::ValidationError(*problem);
+  return options;
+}
+
+/// The gyroscope that was asked for. @throws CLI::ValidationError when an option is out of range.
+GyroscopeOptions gyroscope_of(const SimulateArguments& arguments, double noise) {
+  GyroscopeOptions options = arguments.gyroscope_errors;
+  const auto angle = [](const std::string& text, double& value) {
+    if (!text.empty()) value = parse_angle(text);
+  };
+  angle(arguments.gyroscope_bias, options.bias);
+  angle(arguments.gyroscope_walk, options.walk);
+  angle(arguments.gyroscope_misalignment, options.misalignment);
+  angle(arguments.gyroscope_temperature, options.temperature);
+  if (!arguments.gyroscope_scale.empty()) options.scale = parse_fraction(arguments.gyroscope_scale);
+  options.noise = noise;
   if (const auto problem = options.problem()) throw CLI::ValidationError(*problem);
   return options;
 }
@@ -122,6 +141,8 @@ void check_outputs(const SimulateArguments& arguments, Outcome& outcome) {
     outcome.warnings.push_back(concat(arguments.output,
                                       " is a sensor log in comma-separated values; .csv tells "
                                       "so"));
+  if (arguments.gyroscope && !arguments.raw)
+    throw CLI::ValidationError("--gyroscope needs --raw: a scan of orientations has no gyroscope");
   if (!arguments.tumble.empty() && !arguments.raw)
     throw CLI::ValidationError("--tumble needs --raw: a scan of orientations has no sensors to calibrate");
   try {
@@ -214,6 +235,8 @@ Outcome run_simulate(const SimulateArguments& arguments) {
         ideal.knocks = device.knocks;
         device = ideal;
       }
+      if (arguments.gyroscope)
+        add_gyroscope(device, gyroscope_of(arguments, device.gyroscope_noise), arguments.seed);
       log = simulate_log(object.traced, simulated, device, arguments.seed);
       if (!arguments.tumble.empty()) tumble = simulate_tumble(device, arguments.seed);
     }
@@ -234,6 +257,32 @@ Outcome run_simulate(const SimulateArguments& arguments) {
   }
   write_truth(arguments, object, outcome);
   return outcome;
+}
+
+void add_gyroscope_options(CLI::App& command, SimulateArguments& a) {
+  CLI::Option* gyroscope = command.add_flag(
+      "--gyroscope", a.gyroscope,
+      "With --raw: a gyroscope that is read all the time, in rows of its own, also between the curves");
+  const auto needs = [&](CLI::Option* option) { return option->needs(gyroscope); };
+  needs(command.add_option("--gyroscope-rate", a.gyroscope_errors.rate, "Its readings per second"))
+      ->check(CLI::Range(1.0, 10000.0));
+  needs(command.add_option("--gyroscope-bias", a.gyroscope_bias,
+                           "Spread of its bias, an angle per second (0.57deg)"))
+      ->check(angle_text());
+  needs(command.add_option("--gyroscope-walk", a.gyroscope_walk,
+                           "How the bias walks, an angle per second and root second (0.0011deg)"))
+      ->check(angle_text());
+  needs(command.add_option("--gyroscope-scale", a.gyroscope_scale, "Spread of its scale error (0.5%)"))
+      ->check(fraction_text());
+  needs(command.add_option("--gyroscope-misalignment", a.gyroscope_misalignment,
+                           "Spread of the angles of its axes (0.29deg)"))
+      ->check(angle_text());
+  needs(command.add_option("--gyroscope-temperature", a.gyroscope_temperature,
+                           "Spread of the change of the bias per kelvin, an angle per second (0.029deg)"))
+      ->check(angle_text());
+  needs(command.add_option("--gyroscope-warming", a.gyroscope_errors.warming,
+                           "By how many kelvins the device grows warmer, within some minutes"))
+      ->check(CLI::Range(0.0, 100.0));
 }
 
 }  // namespace
@@ -288,6 +337,7 @@ void add_simulate(CLI::App& app) {
       ->check(CLI::Range(0.0, 100.0));
   command->add_flag("--distortion,!--no-distortion", a.distortion,
                     "With --raw: zero errors, scales and soft iron that need a calibration");
+  add_gyroscope_options(*command, a);
   command->add_option("--planes", a.planes, "Meshes: planes per axis")->check(CLI::Range(1, 100));
   command->add_option("--axes", a.axes, "Meshes: axes across which planes are laid, such as x,z");
   command->add_option("--truth-step", a.truth_step, "Distance between the points of the true curves")

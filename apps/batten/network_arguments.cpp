@@ -119,6 +119,13 @@ void report_network(const NetworkArguments& arguments, const ScanNetwork& result
                    {"E_1", report.regression.E_1},
                    {"E_2", report.regression.E_2}};
   }
+  if (report.gyroscope) {
+    const ScanGyroscope& g = *report.gyroscope;
+    f["gyroscope"] = {{"bias_deg_s", {degrees(g.bias[0]), degrees(g.bias[1]), degrees(g.bias[2])}},
+                      {"bias_range_deg_s", degrees(g.bias_range)},
+                      {"matrix_error", g.matrix.norm()},
+                      {"noise_deg_sqrt_s", degrees(g.density)}};
+  }
   f["iterations"] = report.iterations;
   f["length_factors"] = report.factors;
   f["length_factor_deviations"] = report.factor_deviations;

@@ -7,6 +7,7 @@
 
 #include "batten/core/error.hpp"
 #include "batten/core/units.hpp"
+#include "batten/rotation/so3.hpp"
 #include "batten/simulation/shapes.hpp"
 
 namespace batten {
@@ -111,6 +112,76 @@ TEST(SimulateLog, SeesTheWorldInItsOwnAxes) {
       EXPECT_EQ(a.distance[row], curve.distances[i]);
     }
   EXPECT_EQ(row, a.n_readings());
+}
+
+// The rates of an ideal gyroscope, summed up over all rows of the log, are the turns of the true frames: along
+// the curves and from the end of one to the start of the next. The trapezoidal rule at 100 Hz is good to 1e-4.
+TEST(SimulateLog, AGyroscopeThatIsReadAllTheTimeSeesTheTrueTurns) {
+  const TracedNetwork traced = trace_shape(AnalyticShape::Dish);
+  const SimulatedScan scan = simulate_scan(traced, {.seed = 2, .step = 0.05, .orientation_noise = 0.03});
+  DeviceModel device;
+  device.axes.forward = {0, -1, 0};
+  device.axes.normal = {1, 0, 0};
+  const SensorLog readings = simulate_log(traced, scan, device, 5);
+  device.gyroscope_rate = 100;
+  const SensorLog log = simulate_log(traced, scan, device, 5);
+  const Matrix3d to_frame = device.axes.matrix().transpose();
+  std::vector<Matrix3d> truth;
+  for (const auto& frames : scan.true_frames) truth.insert(truth.end(), frames.begin(), frames.end());
+  Matrix3d X = truth.front();
+  Eigen::Index reading = 0;
+  int rows_of_gyroscope = 0;
+  for (Eigen::Index i = 0; i < log.n_readings(); ++i) {
+    if (i > 0) {
+      const Vector3d rate = 0.5 * (log.gyroscope.row(i - 1) + log.gyroscope.row(i));
+      X = X * so3_exp((log.time[i] - log.time[i - 1]) * (to_frame * rate));
+    }
+    if (!log.accelerometer.row(i).allFinite()) {
+      ++rows_of_gyroscope;
+      continue;
+    }
+    EXPECT_EQ(log.time[i], readings.time[reading]);
+    EXPECT_EQ(log.accelerometer.row(i), readings.accelerometer.row(reading));
+    EXPECT_EQ(log.distance[i], readings.distance[reading]);
+    EXPECT_LT(so3_log(X.transpose() * truth[static_cast<size_t>(reading)]).norm(), 2e-3) << reading;
+    ++reading;
+  }
+  EXPECT_EQ(reading, readings.n_readings());
+  EXPECT_GT(rows_of_gyroscope, 5 * reading);
+}
+
+// The device rests at the end of the recording's first stay, so the mean there is the bias; what the walk and
+// the warmth add is held against the same log without them, whose other numbers are the same.
+TEST(AddGyroscope, HasTheErrorsThatWereAskedFor) {
+  GyroscopeOptions options;
+  options.walk = options.warming = options.noise = 0;
+  const TracedNetwork traced = trace_shape(AnalyticShape::Dish);
+  const SimulatedScan scan = simulate_scan(traced, {.step = 0.2});
+  DeviceModel steady, warm, walking;
+  add_gyroscope(steady, options, 3);
+  options.warming = 3;
+  add_gyroscope(warm, options, 3);
+  options.warming = 0;
+  options.walk = 1e-3;
+  add_gyroscope(walking, options, 3);
+  EXPECT_EQ(steady.gyroscope_bias, warm.gyroscope_bias);
+  const SensorLog log = simulate_log(traced, scan, steady, 1);
+  EXPECT_LT((log.gyroscope.row(1).transpose() - steady.gyroscope_bias).norm(), 1e-12);
+  const SensorLog warmed = simulate_log(traced, scan, warm, 1), walked = simulate_log(traced, scan, walking, 1);
+  const Eigen::Index last = log.n_readings() - 1;
+  const Vector3d by_warmth = (warmed.gyroscope - log.gyroscope).row(last);
+  EXPECT_LT((by_warmth - (1 - std::exp(-log.time[last] / warm.warming_time)) * warm.gyroscope_warming).norm(),
+            1e-12);
+  const Points steps = (walked.gyroscope - log.gyroscope).bottomRows(last) -
+                       (walked.gyroscope - log.gyroscope).topRows(last);
+  const double per_root_second = std::sqrt(steps.squaredNorm() / (3 * (log.time[last] - log.time[0])));
+  EXPECT_NEAR(per_root_second / options.walk, 1, 0.05);
+  options.scale = 0.6;
+  EXPECT_THROW(add_gyroscope(steady, options, 3), InvalidInput);
+  options.scale = 0;
+  options.misalignment = 0;
+  add_gyroscope(steady, options, 3);
+  EXPECT_EQ(steady.gyroscope_distortion, Matrix3d::Identity());
 }
 
 TEST(MakeDevice, HasTheNoiseThatWasAskedFor) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
@@ -39,10 +40,12 @@ void start_from_regression(const SampledScan& scan, const JointOptions& options,
   // A smooth seam is one frame to the regression, which reads it once: from both ends alike, so that the
   // result does not depend on the direction of the curve.
   SampledScan data = scan;
-  for (SampledCurve& curve : data.curves)
+  for (SampledCurve& curve : data.curves) {
+    curve.turns.resize(0, 3);  // the gyroscope comes in with its errors, later
     if (curve.smooth_seam)
       curve.frames.front() = curve.frames.back() =
           nearest_rotation(curve.frames.front() + curve.frames.back());
+  }
   RegressionReport report;
   const SampledScan smooth = regress_frames(data, regression, &report, progress);
   const JointLayout& layout = model.layout();
@@ -86,7 +89,27 @@ JointEstimate result_of(const SampledScan& scan, const JointModel& model) {
     estimate.drift.push_back(state.drift.middleRows(first, n));
     estimate.trust.push_back(state.trust.segment(first, n));
   }
+  estimate.has_turns = !model.turns().empty();
+  if (estimate.has_turns) {
+    estimate.turn_density = model.turns().density();
+    estimate.gyroscope_bias = model.turns().biases();
+    estimate.gyroscope_matrix = model.turns().matrix();
+  }
   return estimate;
+}
+
+/// The density of the gyroscope's noise of greatest evidence, from the least upwards.
+void find_turn_density(JointModel& model, const NoiseModel& noise, int& evaluations,
+                       const Progress& progress) {
+  if (model.turns().empty()) return;
+  double least = std::numeric_limits<double>::infinity(), best = kLeastTurnDensity;
+  for (double density = kLeastTurnDensity; density <= kMostTurnDensity; density *= kTurnDensityFactor) {
+    model.turns().set_density(density);
+    const double evidence = model.evaluate(noise, false, progress).evidence;
+    ++evaluations;
+    if (evidence < least) least = evidence, best = density;
+  }
+  model.turns().set_density(best);
 }
 
 /// An estimate and what it costs, to be held against another of the same scan.
@@ -112,6 +135,7 @@ Attempt attempt(const SampledScan& scan, const JointOptions& options, JointStart
     model.linearize(part());
     if (!options.noise) {
       if (&round == kRounds) {
+        if (!options.turn_density) find_turn_density(model, noise, evaluations, part());
         const NoiseSearch kinds = try_kinds(model, noise, progress);
         noise = kinds.noise;
         evaluations += kinds.evaluations;

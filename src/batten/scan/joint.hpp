@@ -30,6 +30,8 @@ struct JointOptions {
   double scale_deviation = 0;
   /// The noise where it is known; found from the data where not.
   std::optional<NoiseModel> noise;
+  /// Density of the noise of the gyroscope's turns, where the scan has any, rad/s/√Hz; nothing: found.
+  std::optional<double> turn_density;
   double xi = 10000;   ///< agreement of the normals at nodes relative to the data, as in S (3.30)
   bool robust = true;  ///< samples far from the curve lose their say
 };
@@ -42,6 +44,10 @@ struct JointEstimate {
   Eigen::VectorXd factor_deviation;    ///< their posterior standard deviations about the mean of all curves
   NoiseModel noise;                    ///< as found
   std::vector<Eigen::VectorXd> trust;  ///< per curve and sample: 1 kept … 0 ignored by the robust loss
+  bool has_turns = false;              ///< of a gyroscope; the figures below are 0 without
+  double turn_density = 0;             ///< of their noise, rad/s/√Hz
+  Points gyroscope_bias;               ///< per some seconds, in the axes of the frames, rad/s
+  Eigen::Matrix3d gyroscope_matrix = Eigen::Matrix3d::Zero();  ///< M: true rate = (I + M)(reading − bias)
   double evidence = 0;                 ///< −2 log marginal likelihood, up to a constant
   int iterations = 0;                  ///< Gauss–Newton steps
   bool converged = false;              ///< the last of them was below 1e-6 radians, or within rounding
@@ -57,7 +63,10 @@ struct JointEstimate {
 /// sparse system; the figures of NoiseModel maximise the marginal likelihood (Laplace's approximation)
 /// under weak priors, by a quasi-Newton search with exact derivatives from the selected inverse
 /// (docs/methods.md#regression). So closure, agreement of normals and smoothness all speak about the noise,
-/// and networks without loops need no other rule. Linear in the samples of a network; some fifty
+/// and networks without loops need no other rule. With a gyroscope (SampledCurve::turns) neighbouring frames
+/// are joined by its turns, log(Gᵀ X_kᵀ X_{k+1}) with G = exp((I + M)(g − b Δt)); the bias b, which may walk,
+/// the matrix M of scale and alignment and the density of the noise are found as well. What comes and goes
+/// without a turn of the device (drift, magnets) is then told from shape. Linear in the samples of a network; some fifty
 /// factorisations where the noise is to be found, some ten where it is given.
 /// @throws InvalidInput, SolverFailure, Cancelled.
 JointEstimate estimate_jointly(const SampledScan& scan, const JointOptions& options,

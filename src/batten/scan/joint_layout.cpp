@@ -13,6 +13,7 @@ JointLayout::JointLayout(const SampledScan& scan, double size, const Progress& p
   number(scan, size);
   pair_up(scan);
   find_segments(scan);
+  turns.find(scan, frames, n_blocks);
   progress.report("ordering", 0);
   normals = frames.node_pairs;
   std::vector<char> multiplier(n_blocks, 0);
@@ -125,6 +126,7 @@ std::vector<std::pair<int, int>> JointLayout::joined(const Progress& progress) c
     list.emplace_back(s.multiplier, scale_at + s.curve);
   }
   for (int c = 0; c < n_curves; ++c) list.emplace_back(mean_at, scale_at + c);
+  turns.join(list);
   // Many of them are named several times.
   progress.report("ordering", 0);
   std::vector<int> first(n_blocks + 1, 0);
@@ -176,6 +178,7 @@ void JointLayout::find_slots() {
     mean_slot.push_back(system.slot(mean_at, scale_at + c));
   }
   mean_own = system.slot(mean_at, mean_at);
+  turns.find_slots(system);
 }
 
 }  // namespace batten

@@ -3,11 +3,10 @@
 #include <vector>
 
 #include "batten/scan/block_ldlt_detail.hpp"
+#include "batten/scan/joint_turns_detail.hpp"
 #include "batten/scan/samples.hpp"
 
 namespace batten {
-
-using FrameLdlt = BlockLdlt<3>;
 
 /// Two neighbouring samples of a curve.
 struct JointStep {
@@ -43,7 +42,8 @@ struct JointSegment {
 /// Blocks of three unknowns each: turns of the frames, drift per sample, one multiplier per segment (the
 /// force that makes its steps meet its nodes), positions of the nodes, one log factor per curve (two of the
 /// three idle), and one multiplier for the mean of the factors. Positions between the nodes are eliminated:
-/// the multiplier stands for the whole sum of steps.
+/// the multiplier stands for the whole sum of steps. With a gyroscope: its bias, one block per some seconds,
+/// and three columns of scale and alignment.
 struct JointLayout {
   JointLayout(const SampledScan& scan, double size, const Progress& progress = {});
 
@@ -54,6 +54,7 @@ struct JointLayout {
   std::vector<JointStep> steps;
   std::vector<StepPair> pairs;
   std::vector<JointSegment> segments;
+  TurnLayout turns;  ///< empty without a gyroscope
   std::vector<std::pair<int, int>> normals;  ///< frames that must agree in their normals
   VertexNumbering vertices;
   FrameNumbering frames;

@@ -33,7 +33,7 @@ double inner(const Matrix3d& a, const Matrix3d& b) {
 }  // namespace
 
 JointModel::JointModel(const SampledScan& scan, const JointOptions& options, const Progress& progress)
-    : scan_(scan), options_(options), prior_(options), layout_(scan, options.size, progress) {
+    : scan_(scan), options_(options), prior_(options), layout_(scan, options.size, progress), turns_(layout_.turns, options.turn_density.value_or(kLeastTurnDensity)) {
   reset();
   data_.resize(layout_.n_samples);
   omega_.resize(layout_.steps.size());
@@ -51,6 +51,7 @@ void JointModel::reset() {
   state_.nodes.setZero(layout_.n_nodes, 3);
   state_.log_factors.setZero(layout_.n_curves);
   state_.trust.setOnes(layout_.n_samples);
+  turns_.reset();
 }
 
 void JointModel::set_normal_deviation(double white) {
@@ -70,6 +71,7 @@ void JointModel::linearize(const Progress& progress) {
         for (Eigen::Index c = begin; c < end; ++c) linearize_curve(static_cast<int>(c));
       },
       progress);
+  turns_.linearize(state_.X);
   n_data_ = 0;
   for (const Datum& d : data_) n_data_ += d.readings > 0 ? 1 : 0;
 }
@@ -242,6 +244,7 @@ void JointModel::assemble(const Weights& weights, const Progress& progress) {
       },
       progress);
   assemble_nodes(weights);
+  turns_.assemble(layout_.system, right_);
 }
 
 /// What a step of the drift adds, from the products of both its ends: s00 before · before, and so on.
@@ -327,7 +330,7 @@ JointModel::Moments JointModel::sum_over_curves(const OfCurve& of_curve) const {
 }
 
 /// What does not depend on the noise model at the optimum: agreement of the normals, segments, nodes, mean
-/// factor.
+/// factor, gyroscope.
 double JointModel::constraint_energy(const Eigen::VectorXd& delta) const {
   const auto by = [&](int block) { return delta.segment<3>(3 * block); };
   double sum = kMeanFactorVariance * by(layout_.mean_at).squaredNorm();
@@ -337,6 +340,7 @@ double JointModel::constraint_energy(const Eigen::VectorXd& delta) const {
   }
   for (const JointSegment& s : layout_.segments)
     sum += kSlip * kSlip * s.length * by(s.multiplier).squaredNorm();
+  sum += turns_.energy(delta);
   for (int v = 0; v < layout_.n_nodes; ++v) sum += kNodePrecision * by(layout_.node_at + v).squaredNorm();
   return sum;
 }
@@ -429,6 +433,7 @@ double JointModel::apply(const Eigen::VectorXd& step) {
     largest = std::max(largest, d.norm());
     state_.X[f] = so3_exp(d) * state_.X[f];
   }
+  turns_.apply(step);
   for (int i = 0; i < layout_.n_samples; ++i)
     state_.drift.row(i) += step.segment<3>(3 * (layout_.drift_at + i)).transpose();
   for (int v = 0; v < layout_.n_nodes; ++v)

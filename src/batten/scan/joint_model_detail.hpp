@@ -4,6 +4,7 @@
 #include "batten/core/progress.hpp"
 #include "batten/scan/joint.hpp"
 #include "batten/scan/joint_layout_detail.hpp"
+#include "batten/scan/joint_turns_detail.hpp"
 #include "batten/scan/noise_model_detail.hpp"
 
 namespace batten {
@@ -57,6 +58,8 @@ class JointModel {
   /// square of what is trusted, however far it lies, so that a state that ignores samples can be held against
   /// one that does not. @pre update_trust(white) has been called for the state.
   double distrust_cost(double white) const;
+  JointTurns& turns() { return turns_; }
+  const JointTurns& turns() const { return turns_; }
   /// Posterior deviations of the factors about their mean. @pre evaluate() has succeeded.
   Eigen::VectorXd factor_deviation(const Progress& progress);
 
@@ -104,6 +107,7 @@ class JointModel {
   NoisePrior prior_;
   JointLayout layout_;
   JointState state_;
+  JointTurns turns_;
   double normal_precision_ = 0;
 
   std::vector<Datum> data_;                ///< per sample

@@ -12,6 +12,7 @@
 #include "batten/core/units.hpp"
 #include "batten/rotation/average.hpp"
 #include "batten/rotation/so3.hpp"
+#include "batten/scan/turn_path_detail.hpp"
 
 namespace batten {
 
@@ -140,7 +141,16 @@ CleanCurve merged(const ScanCurve& curve, const std::vector<Eigen::Matrix3d>& fr
                   const std::vector<char>& outlier) {
   const int n = static_cast<int>(frames.size());
   CleanCurve clean;
-  std::vector<double> distances, counts;
+  std::vector<double> distances, counts, times;
+  const TurnPath path = turn_path(curve);
+  const auto add_path = [&](int begin, int end) {
+    if (path.empty()) return;
+    const auto first = path.frames.begin();
+    clean.turned.frames.push_back(
+        rotation_average(std::vector<Eigen::Matrix3d>(first + begin, first + end)));
+    times.push_back(path.times.segment(begin, end - begin).mean());
+    clean.turned.gaps.push_back(path.gaps[end - 1]);
+  };
   std::vector<int> group_of_reading(n, -1);
   for (int i = 0; i < n;) {
     int end = i + 1;
@@ -156,10 +166,12 @@ CleanCurve merged(const ScanCurve& curve, const std::vector<Eigen::Matrix3d>& fr
       distances.push_back(curve.distances[i] - curve.distances[0]);
       clean.frames.push_back(frames[i]);
       counts.push_back(0);
+      add_path(i, end);
     } else if (!group.empty()) {
       distances.push_back(curve.distances[i] - curve.distances[0]);
       clean.frames.push_back(group.size() == 1 ? group.front() : rotation_average(group));
       counts.push_back(static_cast<double>(group.size()));
+      add_path(i, end);
       clean.n_duplicates += static_cast<int>(group.size()) - 1;
     }
     for (int j = i; j < end; ++j) group_of_reading[j] = static_cast<int>(distances.size()) - 1;
@@ -168,6 +180,7 @@ CleanCurve merged(const ScanCurve& curve, const std::vector<Eigen::Matrix3d>& fr
   clean.distances =
       Eigen::Map<Eigen::VectorXd>(distances.data(), static_cast<Eigen::Index>(distances.size()));
   clean.counts = Eigen::Map<Eigen::VectorXd>(counts.data(), static_cast<Eigen::Index>(counts.size()));
+  clean.turned.times = Eigen::Map<Eigen::VectorXd>(times.data(), static_cast<Eigen::Index>(times.size()));
   for (size_t j = 0; j < curve.node_readings.size(); ++j) {
     clean.node_readings.push_back(group_of_reading[curve.node_readings[j]]);
     clean.node_ids.push_back(curve.node_ids[j]);
@@ -412,6 +425,7 @@ SampledScan resample(const Scan& scan, const std::vector<CleanCurve>& curves, co
         const std::vector<Eigen::Matrix3d> ends{curve.frames.front(), curve.frames.back()};
         curve.frames.front() = curve.frames.back() = rotation_average(ends);
       }
+      set_turns(scan.curves[c], clean, curve);
       samples.curves.push_back(std::move(curve));
       continue;
     }
@@ -453,6 +467,7 @@ SampledScan resample(const Scan& scan, const std::vector<CleanCurve>& curves, co
         },
         progress);
     curve.weights = shared_counts(clean, curve.parameters);
+    set_turns(scan.curves[c], clean, curve);
     samples.curves.push_back(std::move(curve));
   }
   return samples;

@@ -8,6 +8,15 @@
 
 namespace batten {
 
+/// How a gyroscope saw the device turn along a curve: frames up to one rotation, with the bias in them.
+struct TurnPath {
+  std::vector<Eigen::Matrix3d> frames;  ///< n, or empty without gyroscope
+  Eigen::VectorXd times;                ///< n, seconds since the first reading
+  std::vector<int> gaps;                ///< n, how many turns up to here are not known
+
+  bool empty() const { return frames.empty(); }
+};
+
 /// Readings of one curve put in order: outliers removed, readings at one distance merged.
 struct CleanCurve {
   Eigen::VectorXd distances;            ///< n, increasing, from 0
@@ -15,6 +24,7 @@ struct CleanCurve {
   Eigen::VectorXd counts;               ///< n, readings merged into each
   std::vector<int> node_readings;       ///< indices into these arrays
   std::vector<int> node_ids;
+  TurnPath turned;       ///< at the same places; of outliers as well
   int n_outliers = 0;    ///< readings removed
   int n_duplicates = 0;  ///< readings merged into others
 };

@@ -8,6 +8,7 @@
 #include "batten/core/text.hpp"
 #include "batten/rotation/so3.hpp"
 #include "batten/scan/integration.hpp"
+#include "batten/scan/joint_turns_detail.hpp"
 #include "batten/scan/prefilter.hpp"
 #include "batten/scan/weights.hpp"
 
@@ -61,11 +62,40 @@ Integration integration_of(IntegrationScheme scheme) {
              : Integration{StepRule::ConstantRate, ClosureForm::FirstDifference};
 }
 
+ScanGyroscope gyroscope_of(const JointEstimate& estimate) {
+  ScanGyroscope gyroscope;
+  gyroscope.bias = estimate.gyroscope_bias.colwise().mean();
+  gyroscope.bias_range =
+      (estimate.gyroscope_bias.rowwise() - gyroscope.bias.transpose()).rowwise().norm().maxCoeff();
+  gyroscope.matrix = estimate.gyroscope_matrix;
+  gyroscope.density = estimate.turn_density;
+  return gyroscope;
+}
+
+void leave_out_turns(SampledScan& scan) {
+  for (SampledCurve& curve : scan.curves) {
+    curve.turns.resize(0, 3);
+    curve.turn_times.resize(0);
+  }
+}
+
+/// estimate_jointly(), without the gyroscope where its turns do not fit the frames.
+JointEstimate estimate_with_turns(SampledScan& samples, const JointOptions& joint, ScanReport& report,
+                                  const Progress& progress) {
+  JointEstimate estimate = estimate_jointly(samples, joint, progress);
+  if (!estimate.has_turns || estimate.turn_density <= kUselessTurnDensity) return estimate;
+  report.warnings.emplace_back(
+      "the turns of the gyroscope do not fit the orientations and are left out; check its unit (rad/s), its "
+      "axes and its times");
+  leave_out_turns(samples);
+  return estimate_jointly(samples, joint, progress);
+}
+
 SampledScan jointly(const Scan& scan, const std::vector<CleanCurve>& clean, const PrefilterOptions& prefilter,
                     const ScanOptions& options, ScanReport& report, const Progress& progress) {
   PrefilterOptions sampling = prefilter;
   sampling.wrap = false;  // the drift at the start of a closed curve is not the drift at its end
-  const SampledScan samples = resample(scan, clean, sampling, progress);
+  SampledScan samples = resample(scan, clean, sampling, progress);
   JointOptions joint;
   joint.size = report.size;
   joint.reading_noise = report.reading_noise;
@@ -82,13 +112,17 @@ SampledScan jointly(const Scan& scan, const std::vector<CleanCurve>& clean, cons
     coarse.sigma *= share;
     SampledScan fewer = resample(scan, clean, coarse, progress);
     for (SampledCurve& curve : fewer.curves) curve.weights *= share;
-    joint.noise = estimate_jointly(fewer, joint, progress).noise;
+    const JointEstimate search = estimate_with_turns(fewer, joint, report, progress);
+    joint.noise = search.noise;
+    joint.turn_density = search.turn_density;
+    if (!search.has_turns) leave_out_turns(samples);
   }
-  const JointEstimate estimate = estimate_jointly(samples, joint, progress);
+  const JointEstimate estimate = estimate_with_turns(samples, joint, report, progress);
   if (!estimate.converged)
     report.warnings.push_back(concat("the joint estimate of frames and positions had not converged after ",
                                      estimate.iterations, " steps"));
   report.noise = estimate.noise;
+  if (estimate.has_turns) report.gyroscope = gyroscope_of(estimate);
   report.iterations = estimate.iterations;
   report.evidence = estimate.evidence;
   double readings = 0;

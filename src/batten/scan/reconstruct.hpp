@@ -64,6 +64,14 @@ struct ScanOptions {
   std::optional<std::string> problem() const;
 };
 
+/// What the joint estimate found out about the gyroscope of a scan.
+struct ScanGyroscope {
+  Eigen::Vector3d bias = Eigen::Vector3d::Zero();    ///< mean over time, in the axes of the Darboux frame, rad/s
+  double bias_range = 0;                             ///< how far it wanders from that mean at most, rad/s
+  Eigen::Matrix3d matrix = Eigen::Matrix3d::Zero();  ///< M: true rate = (I + M)(reading − bias)
+  double density = 0;                                ///< of its noise, as used, rad/s/√Hz
+};
+
 /// What happened on the way. Lengths in the unit of the scan, angles in radians.
 struct ScanReport {
   double size = 0;  ///< twice the greatest distance from the centroid after unfiltered integration
@@ -78,6 +86,7 @@ struct ScanReport {
   double lambda = 0, mu = 0;  ///< as used, or what the noise model stands for; lengths in sizes
   std::string weights_reason;
   std::optional<NoiseModel> noise;        ///< with the joint estimate
+  std::optional<ScanGyroscope> gyroscope;  ///< the same, where the scan has the turns of one
   std::vector<double> factors;            ///< per curve: length used over length measured
   std::vector<double> factor_deviations;  ///< their standard deviations; empty without the joint estimate
   std::vector<std::string> undetermined;  ///< ratios of lengths that closure leaves open, in words

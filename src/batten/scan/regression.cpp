@@ -15,6 +15,7 @@
 #include "batten/core/units.hpp"
 #include "batten/rotation/so3.hpp"
 #include "batten/scan/frame_energy_detail.hpp"
+#include "batten/scan/turned_frames_detail.hpp"
 
 namespace batten {
 
@@ -193,7 +194,7 @@ bool FrameRegression::State::converge(double tolerance, int max_iterations, Stag
 }
 
 FrameRegression::FrameRegression(const SampledScan& scan)
-    : scan_(scan), state_(std::make_unique<State>(scan)) {}
+    : scan_(turned_frames(scan)), state_(std::make_unique<State>(scan_)) {}
 FrameRegression::~FrameRegression() = default;
 FrameRegression::FrameRegression(FrameRegression&&) noexcept = default;
 FrameRegression& FrameRegression::operator=(FrameRegression&&) noexcept = default;
@@ -202,8 +203,8 @@ void FrameRegression::set_frames(const SampledScan& scan) {
   for (size_t c = 0; c < scan.curves.size(); ++c)
     if (c >= scan_.curves.size() || scan.curves[c].n_samples() != scan_.curves[c].n_samples())
       throw InvalidInput("other frames for a kept regression must lie at the same samples");
-  scan_ = scan;
-  state_->energy.set_data(scan);
+  scan_ = turned_frames(scan);
+  state_->energy.set_data(scan_);
 }
 
 void FrameRegression::begin(const RegressionOptions& options, StageTimes& times) {

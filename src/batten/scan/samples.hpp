@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 
+#include "batten/core/arrays.hpp"
 #include "batten/scan/scan.hpp"
 
 namespace batten {
@@ -20,6 +21,10 @@ struct SampledCurve {
   Eigen::VectorXd weights;              ///< n, the number of readings that each sample stands for, ≥ 0
   std::vector<int> node_samples;        ///< samples that lie at nodes, increasing
   std::vector<int> node_ids;            ///< their global numbers
+  /// Of a device with a gyroscope, else empty: n × 3, rotation vectors from the sample before in the axes of
+  /// the frame, with the bias; NaN where unknown. The first leads from the last sample of the curve before.
+  Points turns;
+  Eigen::VectorXd turn_times;  ///< n, or empty: seconds since that sample; NaN where unknown
 
   int n_samples() const { return static_cast<int>(frames.size()); }
   double step(int k) const { return parameters[k + 1] - parameters[k]; }  ///< length of step k, k < n − 1

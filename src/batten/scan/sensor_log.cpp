@@ -9,6 +9,7 @@
 #include "batten/core/text.hpp"
 #include "batten/core/units.hpp"
 #include "batten/rotation/so3.hpp"
+#include "batten/scan/gyroscope_turns_detail.hpp"
 
 namespace batten {
 
@@ -88,7 +89,10 @@ class CurveBuilder {
         current_node = pending_node = node;
       }
       if (!complete(log_, row)) {
-        ++n_skipped;
+        // Rows of the gyroscope alone lack nothing.
+        if (log_.accelerometer.row(row).allFinite() || log_.magnetometer.row(row).allFinite() ||
+            !log_.gyroscope.row(row).allFinite())
+          ++n_skipped;
         continue;
       }
       const Matrix3d X = orientation(source, row);
@@ -231,6 +235,9 @@ LogScan scan_from_log(const SensorLog& log, const LogScanOptions& options) {
     Points turns;
     result.scan.curves.push_back(builder.build(log.curves[c], rows[c], turns, n_skipped));
     result.gyroscope_turns.push_back(std::move(turns));
+    std::vector<Eigen::Index>& kept = rows[c];
+    kept.erase(std::remove_if(kept.begin(), kept.end(), [&](Eigen::Index row) { return !complete(log, row); }),
+               kept.end());
   }
   if (n_skipped > 0)
     result.warnings.push_back(concat(n_skipped, " of ", n_on_curves,
@@ -238,6 +245,7 @@ LogScan scan_from_log(const SensorLog& log, const LogScanOptions& options) {
   result.scan.tangents = TangentConvention::AtSample;
   result.scan.unit = std::string(1, result.times_for_distances ? 's' : 'm');
   check_scan(result.scan);
+  add_gyroscope_turns(log, options.calibration, rows, result);
   return result;
 }
 

@@ -2,12 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
+#include <vector>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
 #include "batten/core/error.hpp"
 #include "batten/core/random.hpp"
+#include "batten/core/text.hpp"
 #include "batten/core/units.hpp"
 #include "batten/rotation/so3.hpp"
 
@@ -19,7 +23,15 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 // Streams of random numbers, apart from those of simulate_scan().
-enum DeviceStream : std::uint64_t { kDistortion = 101, kLogNoise, kTumbleNoise, kKnocks };
+enum DeviceStream : std::uint64_t {
+  kDistortion = 101,
+  kLogNoise,
+  kTumbleNoise,
+  kKnocks,
+  kGyroscope,
+  kGyroscopeNoise,
+  kGyroscopeWalk
+};
 
 // The hand moves a fiftieth of the object per second, and rests this long between the readings of a dwell.
 constexpr double kSpeed = 0.02;
@@ -52,8 +64,8 @@ void sense(SensorLog& log, Eigen::Index row, const DeviceModel& device, const Ma
                             device.magnetometer_offset + device.magnetometer_noise * random.normal3();
   log.accelerometer.row(row) = acceleration;
   log.magnetometer.row(row) = magnetic;
-  log.gyroscope.row(row) =
-      device.axes.matrix() * rate + device.gyroscope_bias + device.gyroscope_noise * random.normal3();
+  log.gyroscope.row(row) = device.gyroscope_distortion * (device.axes.matrix() * rate) +
+                           device.gyroscope_bias + device.gyroscope_noise * random.normal3();
 }
 
 /// A motion from 0 to 1 that starts and stops at rest: x(τ) = τ − sin(2πτ)/2π. Its inverse, by bisection and
@@ -87,7 +99,135 @@ Vector3d turn_per_length(const ArcLengthCurve& path, double s, bool closed) {
   return so3_log(frame(low).transpose() * frame(high)) / (high - low);
 }
 
+/// How the device comes to a reading from the one before.
+struct Approach {
+  bool resting = false;
+  double start = 0, duration = 0;  ///< of its leg, seconds
+  double from = 0, gap = 0;        ///< where the leg starts, and its length
+};
+
+/// The log of a device whose gyroscope is read more often than its other sensors.
+class GyroscopeRows {
+ public:
+  GyroscopeRows(const TracedNetwork& traced, const SimulatedScan& simulated, const DeviceModel& device,
+                std::uint64_t seed)
+      : traced_(traced),
+        simulated_(simulated),
+        device_(device),
+        noise_(seed, kGyroscopeNoise),
+        walk_(seed, kGyroscopeWalk) {}
+
+  /// @param readings the log of the other sensors, curve after curve. @param approaches per row of it.
+  SensorLog between(const SensorLog& readings, const std::vector<Approach>& approaches) {
+    out_.axes = readings.axes;
+    out_.curves = readings.curves;
+    Eigen::Index within = 0;  // of the curve
+    for (Eigen::Index i = 0; i < readings.n_readings(); ++i) {
+      const auto row = static_cast<size_t>(i);
+      const int c = readings.curve[row];
+      within = i > 0 && c == readings.curve[row - 1] ? within + 1 : 0;
+      if (i > 0) add_rows(readings, i, approaches[row], within == 0);
+      const Eigen::Index own = add(readings.time[i], c, readings.node[row], readings.distance[i]);
+      out_.accelerometer.row(own) = readings.accelerometer.row(i);
+      out_.magnetometer.row(own) = readings.magnetometer.row(i);
+      out_.gyroscope.row(own) = readings.gyroscope.row(i) + wandering(readings.time[i]).transpose();
+    }
+    out_.resize(n_);
+    return std::move(out_);
+  }
+
+ private:
+  Eigen::Index add(double time, int curve, int node, double distance) {
+    if (n_ == out_.n_readings()) out_.resize(std::max<Eigen::Index>(1024, 2 * n_));
+    out_.time[n_] = time;
+    out_.curve[static_cast<size_t>(n_)] = curve;
+    out_.node[static_cast<size_t>(n_)] = node;
+    out_.distance[n_] = distance;
+    return n_++;
+  }
+
+  /// What the bias has become at a time; times must not fall.
+  Vector3d wandering(double time) {
+    const double dt = std::max(0.0, time - time_);
+    time_ = time;
+    if (device_.gyroscope_walk > 0) walked_ += device_.gyroscope_walk * std::sqrt(dt) * walk_.normal3();
+    return walked_ - device_.gyroscope_warming * std::expm1(-time / device_.warming_time);
+  }
+
+  void add_rows(const SensorLog& readings, Eigen::Index i, const Approach& approach, bool carried) {
+    const double begin = readings.time[i - 1], end = readings.time[i];
+    const auto c = static_cast<size_t>(readings.curve[static_cast<size_t>(i)]);
+    const double interval = 1 / device_.gyroscope_rate;
+    Vector3d lift = Vector3d::Zero();
+    if (carried)
+      lift = so3_log(simulated_.true_frames[c - 1].back().transpose() * simulated_.true_frames[c].front());
+    for (double k = std::floor(begin / interval) + 1; k * interval < end - 1e-6; ++k) {
+      const double time = k * interval;
+      if (time <= begin + 1e-6) continue;
+      Vector3d rate = Vector3d::Zero();
+      Eigen::Index row = 0;
+      if (carried) {
+        rate = lift / (end - begin) * (1 - std::cos(2 * kPi * (time - begin) / (end - begin)));
+        row = add(time, SensorLog::kNone, SensorLog::kNone, std::numeric_limits<double>::quiet_NaN());
+      } else if (approach.resting) {
+        row = add(time, static_cast<int>(c), readings.node[static_cast<size_t>(i)], readings.distance[i]);
+      } else {
+        const double tau = std::clamp((time - approach.start) / approach.duration, 0.0, 1.0);
+        const double s = approach.from + approach.gap * (tau - std::sin(2 * kPi * tau) / (2 * kPi));
+        const double speed = approach.gap / approach.duration * (1 - std::cos(2 * kPi * tau));
+        rate = speed * turn_per_length(*traced_.curves[c].path, s, traced_.curves[c].closed);
+        row = add(time, static_cast<int>(c), SensorLog::kNone, simulated_.report.distance_factors[c] * s);
+      }
+      out_.gyroscope.row(row) = device_.gyroscope_distortion * (device_.axes.matrix() * rate) +
+                                device_.gyroscope_bias + wandering(time) +
+                                device_.gyroscope_noise * noise_.normal3();
+    }
+  }
+
+  const TracedNetwork& traced_;
+  const SimulatedScan& simulated_;
+  const DeviceModel& device_;
+  Random noise_, walk_;
+  SensorLog out_;
+  Eigen::Index n_ = 0;
+  Vector3d walked_ = Vector3d::Zero();
+  double time_ = 0;
+};
+
 }  // namespace
+
+std::optional<std::string> GyroscopeOptions::problem() const {
+  std::optional<std::string> problem;
+  const auto within = [&](const char* name, double value, double most) {
+    if (!problem && !(value >= 0 && value <= most))
+      problem = concat("the gyroscope's ", name, " must lie in [0, ", most, "], got ", value);
+  };
+  if (!(rate > 0 && rate <= 10000))
+    problem = concat("the gyroscope's rate must lie in (0, 10000] Hz, got ", rate);
+  within("bias", bias, 10);
+  within("walk", walk, 1);
+  within("scale", scale, 0.5);
+  within("misalignment", misalignment, 0.5);
+  within("temperature", temperature, 1);
+  within("warming", warming, 100);
+  within("noise", noise, 10);
+  return problem;
+}
+
+void add_gyroscope(DeviceModel& device, const GyroscopeOptions& options, std::uint64_t seed) {
+  if (const auto problem = options.problem()) throw InvalidInput(*problem);
+  Random random(seed, kGyroscope);
+  device.gyroscope_rate = options.rate;
+  device.gyroscope_bias = options.bias * random.normal3();
+  device.gyroscope_walk = options.walk;
+  device.gyroscope_warming = options.temperature * options.warming * random.normal3();
+  device.gyroscope_distortion = Matrix3d::Identity();
+  device.gyroscope_distortion.diagonal() += options.scale * random.normal3();
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      if (i != j) device.gyroscope_distortion(i, j) = options.misalignment * random.normal();
+  device.gyroscope_noise = options.noise;
+}
 
 DeviceModel make_device(std::uint64_t seed, double noise) {
   if (!(noise >= 0)) throw InvalidInput("the noise of a device must be at least 0");
@@ -117,6 +257,7 @@ SensorLog simulate_log(const TracedNetwork& traced, const SimulatedScan& simulat
   log.resize(n);
   Eigen::Index row = 0;
   double clock = 0;
+  std::vector<Approach> approaches;
   for (size_t c = 0; c < traced.curves.size(); ++c) {
     const ScanCurve& curve = simulated.scan.curves[c];
     const TracedCurve& source = traced.curves[c];
@@ -148,6 +289,7 @@ SensorLog simulate_log(const TracedNetwork& traced, const SimulatedScan& simulat
       const double tau = time_of(x);
       const bool resting = i > 0 && s == where[i - 1];
       clock = resting ? clock + kRestInterval : leg_start + duration * tau;
+      approaches.push_back({resting, leg_start, duration, stops[leg], gap});
       if (resting && x == 0) leg_start = clock;  // the first leg starts after the dwell
       const double speed = gap / duration * (1 - std::cos(2 * kPi * tau));
       const Vector3d rate = speed * turn_per_length(*source.path, s, source.closed);
@@ -167,7 +309,8 @@ SensorLog simulate_log(const TracedNetwork& traced, const SimulatedScan& simulat
     }
     clock += kPauseBetweenCurves;
   }
-  return log;
+  if (!(device.gyroscope_rate > 0)) return log;
+  return GyroscopeRows(traced, simulated, device, seed).between(log, approaches);
 }
 
 SensorLog simulate_tumble(const DeviceModel& device, std::uint64_t seed) {
