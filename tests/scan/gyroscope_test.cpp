@@ -127,7 +127,8 @@ TEST(JointTurns, TheirEnergyIsRightToSecondOrder) {
           scan.curves[c].frames[static_cast<size_t>(k)];
   const auto difference = [&](double size) {
     JointTurns turns(layout, 0.05);
-    const Eigen::VectorXd delta = size * Eigen::VectorXd::LinSpaced(3 * n_blocks, -1, 1).array().sin().matrix();
+    const Eigen::VectorXd delta =
+        size * Eigen::VectorXd::LinSpaced(3 * n_blocks, -1, 1).array().sin().matrix();
     std::vector<Matrix3d> moved = X;
     turns.linearize(X);
     const double here = turns.energy(Eigen::VectorXd::Zero(3 * n_blocks)), promised = turns.energy(delta);
@@ -143,8 +144,8 @@ TEST(JointTurns, TheirEnergyIsRightToSecondOrder) {
   EXPECT_NEAR(std::log10(coarse / fine), 1, 0.4);  // relative to a change of first order
 }
 
-// Targets of the project: at most 0.6 of the error without, here on a shape whose own error is not that of the
-// odometer, and next to nothing for a magnet of 20° beside the way.
+// Targets of the project: at most 0.6 of the error without, here on a shape whose own error is not that of
+// the odometer, and next to nothing for a magnet of 20° beside the way.
 TEST(NetworkFromScan, AGyroscopeKeepsDriftAndMagnetsOut) {
   const GyroscopeRecording quiet(AnalyticShape::Ellipsoid), disturbed(AnalyticShape::Ellipsoid, radians(20));
   const double with = quiet.error(quiet.with());

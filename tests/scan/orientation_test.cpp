@@ -94,6 +94,27 @@ TEST(Orientation, WithoutMagnetometerUpIsStillKnown) {
   EXPECT_LT(std::abs(std::remainder(last - first, 2 * kPi)), radians(2.0));
 }
 
+// Accelerometer and magnetometer at 10 Hz beside a gyroscope at 200, as phones write them: the readings are
+// fewer, so that errors grow a little. Without accelerometer for eight seconds the gyroscope leads on.
+TEST(Orientation, SensorsMayBeReadAtRatesOfTheirOwn) {
+  WavedRecording recording = waved({.turning = 0.5, .acceleration = 0.5}, 13);
+  SensorLog& log = recording.log;
+  const auto error = [&](const OrientationEstimate& estimate) {
+    EXPECT_TRUE(estimate.warnings.empty());
+    return errors_of(estimate, recording.truth, log).total;
+  };
+  const double all = error(estimate_orientation(log)), causal = error(filter_orientation(log));
+  for (Eigen::Index i = 0; i < log.n_readings(); ++i) {
+    if (i % 20 != 0) log.accelerometer.row(i).setConstant(NAN);
+    if (i % 20 != 0) log.magnetometer.row(i).setConstant(NAN);
+  }
+  EXPECT_LT(error(estimate_orientation(log)), 1.5 * all + 0.2);
+  EXPECT_LT(error(filter_orientation(log)), 1.5 * causal + 0.2);
+  for (Eigen::Index i = 0; i < log.n_readings(); ++i)
+    if (log.time[i] > 20 && log.time[i] < 28) log.accelerometer.row(i).setConstant(NAN);
+  EXPECT_LT(error(estimate_orientation(log)), 1.5 * all + 0.5);
+}
+
 // Another arrangement of the sensors in the same device is another way to write the same readings.
 TEST(Orientation, DoesNotDependOnTheAxesOfTheDevice) {
   const WavedRecording recording = waved({.acceleration = 3, .bias = {0.01, 0, 0}}, 9);

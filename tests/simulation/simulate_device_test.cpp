@@ -114,8 +114,9 @@ TEST(SimulateLog, SeesTheWorldInItsOwnAxes) {
   EXPECT_EQ(row, a.n_readings());
 }
 
-// The rates of an ideal gyroscope, summed up over all rows of the log, are the turns of the true frames: along
-// the curves and from the end of one to the start of the next. The trapezoidal rule at 100 Hz is good to 1e-4.
+// The rates of an ideal gyroscope, summed up over all rows of the log, are the turns of the true frames:
+// along the curves and from the end of one to the start of the next. The trapezoidal rule at 100 Hz is good
+// to 1e-4.
 TEST(SimulateLog, AGyroscopeThatIsReadAllTheTimeSeesTheTrueTurns) {
   const TracedNetwork traced = trace_shape(AnalyticShape::Dish);
   const SimulatedScan scan = simulate_scan(traced, {.seed = 2, .step = 0.05, .orientation_noise = 0.03});
@@ -167,13 +168,14 @@ TEST(AddGyroscope, HasTheErrorsThatWereAskedFor) {
   EXPECT_EQ(steady.gyroscope_bias, warm.gyroscope_bias);
   const SensorLog log = simulate_log(traced, scan, steady, 1);
   EXPECT_LT((log.gyroscope.row(1).transpose() - steady.gyroscope_bias).norm(), 1e-12);
-  const SensorLog warmed = simulate_log(traced, scan, warm, 1), walked = simulate_log(traced, scan, walking, 1);
+  const SensorLog warmed = simulate_log(traced, scan, warm, 1),
+                  walked = simulate_log(traced, scan, walking, 1);
   const Eigen::Index last = log.n_readings() - 1;
   const Vector3d by_warmth = (warmed.gyroscope - log.gyroscope).row(last);
   EXPECT_LT((by_warmth - (1 - std::exp(-log.time[last] / warm.warming_time)) * warm.gyroscope_warming).norm(),
             1e-12);
-  const Points steps = (walked.gyroscope - log.gyroscope).bottomRows(last) -
-                       (walked.gyroscope - log.gyroscope).topRows(last);
+  const Points steps =
+      (walked.gyroscope - log.gyroscope).bottomRows(last) - (walked.gyroscope - log.gyroscope).topRows(last);
   const double per_root_second = std::sqrt(steps.squaredNorm() / (3 * (log.time[last] - log.time[0])));
   EXPECT_NEAR(per_root_second / options.walk, 1, 0.05);
   options.scale = 0.6;

@@ -48,10 +48,10 @@ struct JointEstimate {
   double turn_density = 0;             ///< of their noise, rad/s/√Hz
   Points gyroscope_bias;               ///< per some seconds, in the axes of the frames, rad/s
   Eigen::Matrix3d gyroscope_matrix = Eigen::Matrix3d::Zero();  ///< M: true rate = (I + M)(reading − bias)
-  double evidence = 0;                 ///< −2 log marginal likelihood, up to a constant
-  int iterations = 0;                  ///< Gauss–Newton steps
-  bool converged = false;              ///< the last of them was below 1e-6 radians, or within rounding
-  int evaluations = 0;                 ///< noise models tried
+  double evidence = 0;     ///< −2 log marginal likelihood, up to a constant
+  int iterations = 0;      ///< Gauss–Newton steps
+  bool converged = false;  ///< the last of them was below 1e-6 radians, or within rounding
+  int evaluations = 0;     ///< noise models tried
 };
 
 /// Estimates frames, slow drift of the frames, and odometer factors at once, so that the network closes.
@@ -66,8 +66,8 @@ struct JointEstimate {
 /// and networks without loops need no other rule. With a gyroscope (SampledCurve::turns) neighbouring frames
 /// are joined by its turns, log(Gᵀ X_kᵀ X_{k+1}) with G = exp((I + M)(g − b Δt)); the bias b, which may walk,
 /// the matrix M of scale and alignment and the density of the noise are found as well. What comes and goes
-/// without a turn of the device (drift, magnets) is then told from shape. Linear in the samples of a network; some fifty
-/// factorisations where the noise is to be found, some ten where it is given.
+/// without a turn of the device (drift, magnets) is then told from shape. Linear in the samples of a network;
+/// some fifty factorisations where the noise is to be found, some ten where it is given.
 /// @throws InvalidInput, SolverFailure, Cancelled.
 JointEstimate estimate_jointly(const SampledScan& scan, const JointOptions& options,
                                const Progress& progress = {});

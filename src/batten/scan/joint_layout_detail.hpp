@@ -54,7 +54,7 @@ struct JointLayout {
   std::vector<JointStep> steps;
   std::vector<StepPair> pairs;
   std::vector<JointSegment> segments;
-  TurnLayout turns;  ///< empty without a gyroscope
+  TurnLayout turns;                          ///< empty without a gyroscope
   std::vector<std::pair<int, int>> normals;  ///< frames that must agree in their normals
   VertexNumbering vertices;
   FrameNumbering frames;

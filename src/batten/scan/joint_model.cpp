@@ -33,7 +33,11 @@ double inner(const Matrix3d& a, const Matrix3d& b) {
 }  // namespace
 
 JointModel::JointModel(const SampledScan& scan, const JointOptions& options, const Progress& progress)
-    : scan_(scan), options_(options), prior_(options), layout_(scan, options.size, progress), turns_(layout_.turns, options.turn_density.value_or(kLeastTurnDensity)) {
+    : scan_(scan),
+      options_(options),
+      prior_(options),
+      layout_(scan, options.size, progress),
+      turns_(layout_.turns, options.turn_density.value_or(kLeastTurnDensity)) {
   reset();
   data_.resize(layout_.n_samples);
   omega_.resize(layout_.steps.size());

@@ -12,9 +12,9 @@ using Eigen::Vector3d;
 
 /// What is uncertain of a turn beside the noise, as a part of it and radians.
 constexpr double kTurnPart = 0.003, kTurnFloor = 1e-4;
-/// Deviations of the bias at the start, rad/s, of its walk, rad/s/√s, and of each entry of the matrix. The walk
-/// is that of a device which grows warm.
-constexpr double kBias = 0.05, kBiasWalk = 1e-4, kMatrix = 0.01;
+/// Deviations of the bias at the start, rad/s, of its walk, rad/s/√s, and of each entry of the matrix. The
+/// walk is that of a device which grows warm.
+constexpr double kFirstBias = 0.05, kBiasWalk = 1e-4, kAxesDeviation = 0.01;
 
 /// The bias of a gyroscope is one for so many seconds, and then another that lies near it.
 constexpr double kBiasTime = 10;
@@ -100,8 +100,8 @@ void JointTurns::reset() {
 }
 
 double JointTurns::weight_of(const JointTurn& turn) const {
-  return 1 / (square_of(density_) * turn.time + square_of(kTurnPart * turn.turn.norm()) +
-              square_of(kTurnFloor));
+  return 1 /
+         (square_of(density_) * turn.time + square_of(kTurnPart * turn.turn.norm()) + square_of(kTurnFloor));
 }
 
 void JointTurns::set_density(double density) {
@@ -158,8 +158,7 @@ void JointTurns::assemble(FrameLdlt& K, Eigen::VectorXd& right) const {
   }
   const auto bias = [&](int b) -> Vector3d { return biases_.row(b); };
   for (int b = 0; b < layout_.n_biases(); ++b) {
-    const double w = b == 0 ? 1 / square_of(kBias)
-                            : 1 / (square_of(kBiasWalk) * layout_.bias_times[b]);
+    const double w = b == 0 ? 1 / square_of(kFirstBias) : 1 / (square_of(kBiasWalk) * layout_.bias_times[b]);
     const Vector3d r = b == 0 ? bias(0) : bias(b) - bias(b - 1);
     K.add(layout_.bias_own[b], w * Matrix3d::Identity());
     at(layout_.bias_at + b) -= w * r;
@@ -169,8 +168,8 @@ void JointTurns::assemble(FrameLdlt& K, Eigen::VectorXd& right) const {
     at(layout_.bias_at + b - 1) += w * r;
   }
   for (int j = 0; j < 3; ++j) {
-    K.add(layout_.matrix_slot[j][j], 1 / square_of(kMatrix) * Matrix3d::Identity());
-    at(matrix + j) -= 1 / square_of(kMatrix) * matrix_.col(j);
+    K.add(layout_.matrix_slot[j][j], 1 / square_of(kAxesDeviation) * Matrix3d::Identity());
+    at(matrix + j) -= 1 / square_of(kAxesDeviation) * matrix_.col(j);
   }
 }
 
@@ -188,13 +187,11 @@ double JointTurns::energy(const Eigen::VectorXd& delta) const {
                        l.by_turn * (bias + matrix_ * bias + matrix_step * l.rate);
     sum += l.weight * r.squaredNorm() - 3 * std::log(l.weight);
   }
-  const auto bias = [&](int b) -> Vector3d {
-    return biases_.row(b).transpose() + by(layout_.bias_at + b);
-  };
-  sum += bias(0).squaredNorm() / square_of(kBias);
+  const auto bias = [&](int b) -> Vector3d { return biases_.row(b).transpose() + by(layout_.bias_at + b); };
+  sum += bias(0).squaredNorm() / square_of(kFirstBias);
   for (int b = 1; b < layout_.n_biases(); ++b)
     sum += (bias(b) - bias(b - 1)).squaredNorm() / (square_of(kBiasWalk) * layout_.bias_times[b]);
-  return sum + (matrix_ + matrix_step).squaredNorm() / square_of(kMatrix);
+  return sum + (matrix_ + matrix_step).squaredNorm() / square_of(kAxesDeviation);
 }
 
 void JointTurns::apply(const Eigen::VectorXd& delta) {

@@ -34,9 +34,9 @@ struct TurnLayout {
   int n_biases() const { return static_cast<int>(bias_times.size()); }
 
   std::vector<JointTurn> turns;
-  std::vector<double> bias_times;  ///< per block of the bias, since the one before, seconds
-  int bias_at = 0, matrix_at = 0;  ///< first blocks
-  std::vector<FrameLdlt::Slot> bias_own, bias_next;           ///< per block; with the next
+  std::vector<double> bias_times;                    ///< per block of the bias, since the one before, seconds
+  int bias_at = 0, matrix_at = 0;                    ///< first blocks
+  std::vector<FrameLdlt::Slot> bias_own, bias_next;  ///< per block; with the next
   std::array<std::array<FrameLdlt::Slot, 3>, 3> matrix_slot;  ///< rows, columns up to the diagonal
 };
 
@@ -59,7 +59,7 @@ class JointTurns {
   double density() const { return density_; }
   void set_density(double density);
   bool empty() const { return layout_.turns.empty(); }
-  const Points& biases() const { return biases_; }         ///< per some seconds, n × 3, rad/s
+  const Points& biases() const { return biases_; }           ///< per some seconds, n × 3, rad/s
   const Eigen::Matrix3d& matrix() const { return matrix_; }  ///< M
 
   void linearize(const std::vector<Eigen::Matrix3d>& X);

@@ -25,6 +25,13 @@ void Motion::append_gap(double dt) {
   turn_known = force_known = false;
 }
 
+void Motion::append_turn(double dt, const Vector3d& rate_before, const Vector3d& rate_after,
+                         const InertialErrors& errors) {
+  const Vector3d none = errors.accelerometer_bias;
+  append(dt, rate_before, rate_after, none, none, errors);
+  force_known = false;
+}
+
 void Motion::append(double dt, const Vector3d& rate_before, const Vector3d& rate_after,
                     const Vector3d& force_before, const Vector3d& force_after, const InertialErrors& errors) {
   constexpr int kBias = InertialErrors::kBias, kMatrix = InertialErrors::kMatrix,

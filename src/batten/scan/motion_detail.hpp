@@ -37,6 +37,9 @@ struct Motion {
   Motion corrected(const Eigen::Matrix<double, InertialErrors::kCount, 1>& difference) const;
   /// Appends a time without readings.
   void append_gap(double dt);
+  /// The same with the gyroscope alone: velocity and place go on without force.
+  void append_turn(double dt, const Eigen::Vector3d& rate_before, const Eigen::Vector3d& rate_after,
+                   const InertialErrors& errors);
   /// Appends dt between two readings of both sensors (trapezoidal rule), O(1).
   void append(double dt, const Eigen::Vector3d& rate_before, const Eigen::Vector3d& rate_after,
               const Eigen::Vector3d& force_before, const Eigen::Vector3d& force_after,

@@ -48,11 +48,18 @@ void check_recording(const SensorLog& log, const OrientationOptions& options) {
     throw InvalidInput("the sensor log has one time only; orientations over time need two readings at least");
 }
 
-double usual_interval(const Eigen::VectorXd& time) {
+/// How long a sensor may be silent so that what lies between counts as known: sensors of one device are often
+/// read at rates of their own.
+double longest_silence(const Eigen::VectorXd& time, const Points& readings) {
   std::vector<double> intervals;
-  for (Index i = 0; i + 1 < time.size(); ++i)
-    if (time[i + 1] > time[i]) intervals.push_back(time[i + 1] - time[i]);
-  return upper_median(intervals);
+  double last = kMissing;
+  for (Index i = 0; i < time.size(); ++i) {
+    if (!readings.row(i).allFinite()) continue;
+    if (time[i] > last) intervals.push_back(time[i] - last);
+    last = time[i];
+  }
+  if (intervals.empty()) return kLongestGap;
+  return std::max(kLongestGap, kLongestGapIntervals * upper_median(intervals));
 }
 
 Points calibrated(const Points& raw, const SensorCalibration& calibration) {
@@ -65,11 +72,11 @@ Points calibrated(const Points& raw, const SensorCalibration& calibration) {
 InertialRecording recording_of(const SensorLog& log, const OrientationOptions& options) {
   InertialRecording recording;
   recording.time = log.time;
-  recording.longest_gap = std::max(kLongestGap, kLongestGapIntervals * usual_interval(log.time));
+  recording.longest_gap = longest_silence(log.time, log.gyroscope);
   const Points rates = log.gyroscope.rowwise() - options.calibration.gyroscope_bias.transpose();
   recording.rate = filled_stream(rates, log.time, recording.longest_gap);
   recording.force = filled_stream(calibrated(log.accelerometer, options.calibration.accelerometer), log.time,
-                                  recording.longest_gap);
+                                  longest_silence(log.time, log.accelerometer));
   recording.field = options.magnetometer ? calibrated(log.magnetometer, options.calibration.magnetometer)
                                          : Points::Constant(log.n_readings(), 3, kMissing);
   return recording;

@@ -64,7 +64,8 @@ struct OrientationFilter::State {
   int n_field = 0;
   // The reading before.
   double time = -std::numeric_limits<double>::infinity();
-  double interval = 0;  ///< mean between readings, seconds
+  double interval = 0,
+         force_interval = 0;  ///< mean between readings, and between those of the force, seconds
   Vector3d rate = Vector3d::Zero(), force = Vector3d::Zero();
   double rate_time = 0, force_time = 0;
   bool has_rate = false, has_force = false;
@@ -106,7 +107,12 @@ void OrientationFilter::State::advance(const InertialReading& reading, const Vec
   if (std::isfinite(dt) && dt > 0) interval = interval == 0 ? dt : interval + 0.05 * (dt - interval);
   const double longest = std::max(kLongestGap, kLongestGapIntervals * interval);
   const bool rate_before = has_rate && time - rate_time <= longest;
-  const bool force_before = has_force && time - force_time <= longest;
+  const double since_force = reading.time - force_time;
+  if (reading.accelerometer.allFinite() && has_force && since_force > 0)
+    force_interval =
+        force_interval == 0 ? since_force : force_interval + 0.05 * (since_force - force_interval);
+  const double longest_force = std::max(kLongestGap, kLongestGapIntervals * force_interval);
+  const bool force_before = has_force && time - force_time <= longest_force;
   const Vector3d last_rate = rate, last_force = force;
   if (reading.gyroscope.allFinite()) {
     rate = reading.gyroscope - options.calibration.gyroscope_bias;
@@ -117,13 +123,17 @@ void OrientationFilter::State::advance(const InertialReading& reading, const Vec
     force = options.calibration.accelerometer.apply(reading.accelerometer);
     force_time = reading.time;
     has_force = true;
+  } else if (started && rate_before && dt > 0 && dt <= longest) {
+    // Held in the world, not in the device that turns away under it.
+    force = so3_exp(dt * (0.5 * (last_rate + rate) - errors.gyroscope_bias)).transpose() * force;
   }
   if (started && dt > 0) {
-    if (rate_before && force_before && dt <= longest && reading.time - rate_time <= longest &&
-        reading.time - force_time <= longest)
-      since.append(dt, last_rate, rate, last_force, force, errors);
-    else
+    if (!rate_before || dt > longest || reading.time - rate_time > longest)
       since.append_gap(dt);
+    else if (!force_before || reading.time - force_time > longest_force)
+      since.append_turn(dt, last_rate, rate, errors);
+    else
+      since.append(dt, last_rate, rate, last_force, force, errors);
   }
   time = reading.time;
   if (!started && has_force && has_rate && force.norm() > 0) start(field);

@@ -48,9 +48,12 @@ void InertialRecording::append(Eigen::Index i, const InertialErrors& errors, Mot
   const double dt = time[i + 1] - time[i];
   if (!(dt > 0)) return;
   const auto a = static_cast<size_t>(i), b = a + 1;
-  const bool known = rate.known[a] != 0 && rate.known[b] != 0 && force.known[a] != 0 && force.known[b] != 0;
-  if (!known || dt > longest_gap)
+  const bool rate_known = rate.known[a] != 0 && rate.known[b] != 0;
+  const bool force_known = force.known[a] != 0 && force.known[b] != 0;
+  if (!rate_known || dt > longest_gap)
     motion.append_gap(dt);
+  else if (!force_known)
+    motion.append_turn(dt, rate.values.row(i), rate.values.row(i + 1), errors);
   else
     motion.append(dt, rate.values.row(i), rate.values.row(i + 1), force.values.row(i),
                   force.values.row(i + 1), errors);

@@ -146,8 +146,7 @@ CleanCurve merged(const ScanCurve& curve, const std::vector<Eigen::Matrix3d>& fr
   const auto add_path = [&](int begin, int end) {
     if (path.empty()) return;
     const auto first = path.frames.begin();
-    clean.turned.frames.push_back(
-        rotation_average(std::vector<Eigen::Matrix3d>(first + begin, first + end)));
+    clean.turned.frames.push_back(rotation_average(std::vector<Eigen::Matrix3d>(first + begin, first + end)));
     times.push_back(path.times.segment(begin, end - begin).mean());
     clean.turned.gaps.push_back(path.gaps[end - 1]);
   };

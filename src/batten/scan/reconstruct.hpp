@@ -66,8 +66,9 @@ struct ScanOptions {
 
 /// What the joint estimate found out about the gyroscope of a scan.
 struct ScanGyroscope {
-  Eigen::Vector3d bias = Eigen::Vector3d::Zero();    ///< mean over time, in the axes of the Darboux frame, rad/s
-  double bias_range = 0;                             ///< how far it wanders from that mean at most, rad/s
+  Eigen::Vector3d bias =
+      Eigen::Vector3d::Zero();  ///< mean over time, in the axes of the Darboux frame, rad/s
+  double bias_range = 0;        ///< how far it wanders from that mean at most, rad/s
   Eigen::Matrix3d matrix = Eigen::Matrix3d::Zero();  ///< M: true rate = (I + M)(reading − bias)
   double density = 0;                                ///< of its noise, as used, rad/s/√Hz
 };
@@ -85,14 +86,14 @@ struct ScanReport {
   double reading_noise = 0;   ///< of one reading, per axis
   double lambda = 0, mu = 0;  ///< as used, or what the noise model stands for; lengths in sizes
   std::string weights_reason;
-  std::optional<NoiseModel> noise;        ///< with the joint estimate
+  std::optional<NoiseModel> noise;         ///< with the joint estimate
   std::optional<ScanGyroscope> gyroscope;  ///< the same, where the scan has the turns of one
-  std::vector<double> factors;            ///< per curve: length used over length measured
-  std::vector<double> factor_deviations;  ///< their standard deviations; empty without the joint estimate
-  std::vector<std::string> undetermined;  ///< ratios of lengths that closure leaves open, in words
-  double closure_misfit_before = 0;       ///< root mean square over segments, unfiltered
-  double closure_misfit = 0;              ///< with the frames and lengths found
-  RegressionReport regression;            ///< of the plain regression
+  std::vector<double> factors;             ///< per curve: length used over length measured
+  std::vector<double> factor_deviations;   ///< their standard deviations; empty without the joint estimate
+  std::vector<std::string> undetermined;   ///< ratios of lengths that closure leaves open, in words
+  double closure_misfit_before = 0;        ///< root mean square over segments, unfiltered
+  double closure_misfit = 0;               ///< with the frames and lengths found
+  RegressionReport regression;             ///< of the plain regression
   int iterations = 0;
   double evidence = 0;  ///< −2 log marginal likelihood of the joint estimate
   std::vector<std::string> warnings;

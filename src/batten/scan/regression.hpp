@@ -51,7 +51,8 @@ struct RegressionReport {
 /// analytic second derivatives; Gauss–Newton where they are indefinite, damping where the energy would rise.
 /// Chordal E_0, E_1, skew E_2, with the forms of docs/errata.md#s-3 where steps differ; closed curves with a
 /// smooth seam are periodic. With a gyroscope (SampledCurve::turns) the data are not the frames of the scan
-/// but those that they and its turns make most probable together, drift and disturbances left out. 4 to 6 steps, 8 to 14 with the robust loss; each is linear in the samples.
+/// but those that they and its turns make most probable together, drift and disturbances left out. 4 to 6
+/// steps, 8 to 14 with the robust loss; each is linear in the samples.
 /// @return `scan` with its frames replaced.
 /// @throws InvalidInput when a weight is negative or neighbouring frames differ by a right angle or more
 /// (where the skew form of E_2 is not monotone), SolverFailure, Cancelled.

@@ -26,8 +26,8 @@ struct ScanCurve {
   Points tangents;                 ///< n × 3 unit vectors in the world frame
   Points normals;                  ///< n × 3 unit vectors in the world frame, outward
   /// Of a device with a gyroscope, else empty: n × 3, rotation vectors from the reading before in the axes of
-  /// the Darboux frame, X_i = X_{i−1} exp(g_i), with the bias; NaN where unknown. The first leads from the last
-  /// reading of the curve before, NaN on the first curve.
+  /// the Darboux frame, X_i = X_{i−1} exp(g_i), with the bias; NaN where unknown. The first leads from the
+  /// last reading of the curve before, NaN on the first curve.
   Points turns;
   Eigen::VectorXd turn_times;  ///< n, or empty: seconds since that reading; NaN for the very first
 

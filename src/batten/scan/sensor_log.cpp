@@ -236,8 +236,9 @@ LogScan scan_from_log(const SensorLog& log, const LogScanOptions& options) {
     result.scan.curves.push_back(builder.build(log.curves[c], rows[c], turns, n_skipped));
     result.gyroscope_turns.push_back(std::move(turns));
     std::vector<Eigen::Index>& kept = rows[c];
-    kept.erase(std::remove_if(kept.begin(), kept.end(), [&](Eigen::Index row) { return !complete(log, row); }),
-               kept.end());
+    kept.erase(
+        std::remove_if(kept.begin(), kept.end(), [&](Eigen::Index row) { return !complete(log, row); }),
+        kept.end());
   }
   if (n_skipped > 0)
     result.warnings.push_back(concat(n_skipped, " of ", n_on_curves,

@@ -19,7 +19,7 @@ using Eigen::Vector3d;
 /// Errors of readings hang together along a curve: so many of them say no more than one.
 constexpr double kReadingsPerError = 5;
 /// Deviation of a sample at first and at least, radians; beyond so many deviations it loses its say.
-constexpr double kFirstSpread = radians(3.0), kLeastSpread = 1e-4, kTrusted = 3;
+constexpr double kFirstSpread = radians(3.0), kLeastSampleSpread = 1e-4, kTrusted = 3;
 constexpr double kMedianOfSample = 1.538;  // of a normal 3-vector
 constexpr int kMostTurnSteps = 20;
 constexpr double kLeastTurnStep = 1e-6;  // radians
@@ -84,8 +84,7 @@ class TurnedFrames {
     for (size_t c = 0; c < scan_.curves.size(); ++c)
       for (int k = 0; k < scan_.curves[c].n_samples(); ++k) {
         const int f = frames_.frames[c][k];
-        body(f, Vector3d(so3_log(scan_.curves[c].frames[k] * X_[f].transpose())),
-             scan_.curves[c].weights[k]);
+        body(f, Vector3d(so3_log(scan_.curves[c].frames[k] * X_[f].transpose())), scan_.curves[c].weights[k]);
       }
   }
 
@@ -95,8 +94,7 @@ class TurnedFrames {
     for_samples([&](int, const Vector3d& r, double readings) {
       if (readings > 0) sizes.push_back(r.norm() * std::sqrt(std::max(readings, 1.0)));
     });
-    return sizes.empty() ? kFirstSpread
-                         : std::max(upper_median(sizes) / kMedianOfSample, kLeastSpread);
+    return sizes.empty() ? kFirstSpread : std::max(upper_median(sizes) / kMedianOfSample, kLeastSampleSpread);
   }
 
   /// The step from here. @return −2 log of the marginal likelihood, up to a constant.
@@ -105,7 +103,8 @@ class TurnedFrames {
     Eigen::VectorXd right = Eigen::VectorXd::Zero(3L * n_blocks_);
     turns.assemble(system_, right);
     const auto weight = [&](const Vector3d& r, double readings) {
-      const double n = std::max(readings, 0.0), z = r.norm() * std::sqrt(std::max(n, 1.0)) / (kTrusted * spread_);
+      const double n = std::max(readings, 0.0),
+                   z = r.norm() * std::sqrt(std::max(n, 1.0)) / (kTrusted * spread_);
       return n / (kReadingsPerError * spread_ * spread_) * (z < 1 ? 1 : 1 / (z * z * z * z));
     };
     for_samples([&](int f, const Vector3d& r, double readings) {

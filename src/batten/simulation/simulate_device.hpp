@@ -38,14 +38,14 @@ struct DeviceModel {
 /// How large the errors of a gyroscope are; each is drawn for a device by add_gyroscope(). The defaults are
 /// those of small silicon gyroscopes at a hundred readings per second.
 struct GyroscopeOptions {
-  double rate = 100;               ///< readings per second; (0, 10000]
-  double bias = 0.01;              ///< deviation of the bias per axis, rad/s
-  double walk = 2e-5;              ///< of its random walk, rad/s/√s
-  double scale = 0.005;            ///< deviation of the error of scale per axis
-  double misalignment = 0.005;     ///< deviation of each angle between the axes and those of the device, radians
-  double temperature = 0.0005;     ///< deviation of the change of the bias with temperature per axis, rad/s/K
-  double warming = 3;              ///< by how much the device grows warmer while it is used, kelvin
-  double noise = 0.002;            ///< white, of one reading per axis, rad/s
+  double rate = 100;            ///< readings per second; (0, 10000]
+  double bias = 0.01;           ///< deviation of the bias per axis, rad/s
+  double walk = 2e-5;           ///< of its random walk, rad/s/√s
+  double scale = 0.005;         ///< deviation of the error of scale per axis
+  double misalignment = 0.005;  ///< deviation of each angle between the axes and those of the device, radians
+  double temperature = 0.0005;  ///< deviation of the change of the bias with temperature per axis, rad/s/K
+  double warming = 3;           ///< by how much the device grows warmer while it is used, kelvin
+  double noise = 0.002;         ///< white, of one reading per axis, rad/s
 
   /// The first problem found, naming field and value, or nothing.
   std::optional<std::string> problem() const;
