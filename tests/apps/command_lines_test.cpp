@@ -56,6 +56,19 @@ TEST(CommandLines, RawReadingsAreCalibratedAndBecomeANetwork) {
   EXPECT_LT(compared["relative"]["a_to_b"]["mean"].get<double>(), 0.005);
 }
 
+TEST(CommandLines, AGyroscopeComesThroughTheLogToTheNetwork) {
+  run_json(
+      "simulate ellipsoid -o scan.csv --raw --no-distortion --gyroscope --gyroscope-rate 50 --gyroscope-bias "
+      "2deg "
+      "--gyroscope-walk 0.001deg --gyroscope-scale 0.5% --gyroscope-misalignment 0.3deg "
+      "--gyroscope-temperature 0.03deg --gyroscope-warming 2 --step 3% --seed 3 --json");
+  const Json json = run_json("network scan.csv -o network.json --json", {"gyroscope"});
+  const auto bias = json["gyroscope"]["bias_deg_s"].get<std::vector<double>>();
+  EXPECT_GT(std::hypot(bias[0], bias[1], bias[2]), 0.5);
+  EXPECT_TRUE(json["warnings"].empty());
+  EXPECT_TRUE(run_json("orient scan.csv -o orientation.csv --json")["warnings"].empty());
+}
+
 TEST(CommandLines, OrientTakesEveryOption) {
   complete_json("simulate sphere -o scan.csv --raw --tumble tumble.csv --step 4% --seed 3");
   complete_json("calibrate tumble.csv -o calibration.json");

@@ -37,26 +37,42 @@ double usual_interval_of_gyroscope(const SensorLog& log) {
   return intervals.empty() ? std::numeric_limits<double>::infinity() : upper_median(intervals);
 }
 
-/// Per row, the turns summed up (trapezoidal rule).
+/// Per row, the turns summed up (trapezoidal rule). Rows of other sensors lie in between, in proportion to
+/// the time; of those in a silence nothing is known, so that each begins anew.
 std::vector<Turned> summed_turns(const SensorLog& log, const Calibration& calibration) {
   const Matrix3d to_darboux = log.axes.matrix().transpose();
-  std::vector<Turned> turned(static_cast<size_t>(log.n_readings()));
+  const Index n = log.n_readings();
+  std::vector<Turned> turned(static_cast<size_t>(n));
+  const auto at = [&](Index row) -> Turned& { return turned[static_cast<size_t>(row)]; };
+  for (Index i = 0; i < n; ++i) at(i).time = log.time[i];
+  int gaps = 0;
+  Matrix3d frame = Matrix3d::Identity();
   Index last = -1;  // row with a gyroscope
-  for (Index i = 0; i < log.n_readings(); ++i) {
-    Turned& here = turned[static_cast<size_t>(i)];
-    if (i > 0) here = turned[static_cast<size_t>(i) - 1];
-    here.time = log.time[i];
-    if (!log.gyroscope.row(i).allFinite()) continue;
-    if (last >= 0) {
-      const double dt = log.time[i] - log.time[last];
+  for (Index i = 0; i <= n; ++i) {
+    const bool end = i == n;
+    if (!end && !log.gyroscope.row(i).allFinite()) continue;
+    Vector3d turn = Vector3d::Zero();
+    double dt = 0;
+    bool known = !end && last >= 0;
+    if (known) {
+      dt = log.time[i] - log.time[last];
       const Vector3d rate =
           0.5 * (log.gyroscope.row(last) + log.gyroscope.row(i)).transpose() - calibration.gyroscope_bias;
-      const Vector3d turn = dt * (to_darboux * rate);
-      if (dt >= 0 && dt <= kLongestBridge && turn.norm() < 1)
-        here.frame = here.frame * so3_exp(turn);
-      else
-        ++here.gaps;
+      turn = dt * (to_darboux * rate);
+      known = dt >= 0 && dt <= kLongestBridge && turn.norm() < 1;
     }
+    for (Index row = last + 1; row < i; ++row) {
+      at(row).gaps = known ? gaps : ++gaps;
+      const double part = known && dt > 0 ? (log.time[row] - log.time[last]) / dt : 0;
+      at(row).frame = frame * so3_exp(part * turn);
+    }
+    if (end) break;
+    if (known)
+      frame = frame * so3_exp(turn);
+    else
+      ++gaps;
+    at(i).frame = frame;
+    at(i).gaps = gaps;
     last = i;
   }
   return turned;
