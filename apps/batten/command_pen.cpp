@@ -1,6 +1,7 @@
 #include "command.hpp"
 #include "command_group.hpp"
 #include "pen_arguments.hpp"
+#include "pen_image_files.hpp"
 
 #include <memory>
 
@@ -8,7 +9,6 @@
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
 #include "batten/core/units.hpp"
-#include "batten/io/blobs_io.hpp"
 #include "batten/io/pen_io.hpp"
 
 namespace batten::cli {
@@ -19,15 +19,10 @@ struct PenArguments {
   std::string input, rig, output, tip_offset = "60mm";
 };
 
-Outcome run_pen_calibrate(const PenArguments& arguments) {
+Outcome run_pen_calibrate(const PenArguments& arguments, const Progress& progress) {
   Outcome outcome;
-  BlobRecording recording;
-  StereoRig rig;
-  {
-    const ScopedStage stage(outcome.times, "read");
-    recording = read_blobs(arguments.input, &outcome.warnings);
-    rig = rig_named(arguments.rig);
-  }
+  const StereoRig rig = rig_named(arguments.rig);
+  const BlobRecording recording = read_pen_recording(arguments.input, rig, outcome, progress);
   Pen nominal;
   nominal.tip_offset = metres(arguments.tip_offset);
   PivotCalibration found;
@@ -73,10 +68,11 @@ void add_pen(CLI::App& app) {
   CLI::App* command =
       add_command(*group, "calibrate", "Find the tip and the LEDs of a pen that turns about its tip",
                   "batten pen calibrate blobs.jsonl --rig rig.json -o pen.json",
-                  [arguments](Context&) { return run_pen_calibrate(*arguments); });
+                  [arguments](Context& context) { return run_pen_calibrate(*arguments, context.progress); });
   command
-      ->add_option("blobs", arguments->input,
-                   "The pen with its tip in a dimple, tilted to all sides (.jsonl)")
+      ->add_option(
+          "blobs", arguments->input,
+          "The pen with its tip in a dimple, tilted to all sides: blobs (.jsonl), or a folder of images")
       ->required();
   command->add_option("--rig", arguments->rig, "The cameras: a rig file (.json), wiimote, vga or global")
       ->required();

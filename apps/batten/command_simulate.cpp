@@ -201,9 +201,9 @@ void add_figures(Json& figures, const SimulatedObject& object, const SimulatedSc
   figures["drawn"] = drawn;
 }
 
-Outcome run_simulate(const SimulateArguments& arguments) {
+Outcome run_simulate(const SimulateArguments& arguments, const Progress& progress) {
   if (arguments.object == "pen")
-    return run_simulate_pen(arguments.pen, arguments.output, arguments.truth, arguments.seed);
+    return run_simulate_pen(arguments.pen, arguments.output, arguments.truth, arguments.seed, progress);
   Outcome outcome;
   check_outputs(arguments, outcome);
   SimulateOptions options = options_of(arguments);
@@ -293,7 +293,7 @@ void add_simulate(CLI::App& app) {
   CLI::App* command = add_command(
       app, "simulate", "Simulate the scan of a shape or of a mesh, with its truth",
       "batten simulate torus -o scan.rawnet --truth truth.ply --orientation-noise 2deg --drift 1deg",
-      [arguments](Context&) { return run_simulate(*arguments); });
+      [arguments](Context& context) { return run_simulate(*arguments, context.progress); });
   command
       ->add_option("object", a.object,
                    "sphere, sphere6, ellipsoid, torus, bumpycube, saddle, waves, dish, cone, a mesh file "

@@ -1,5 +1,6 @@
 #include "command.hpp"
 #include "pen_arguments.hpp"
+#include "pen_image_files.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -149,18 +150,17 @@ void describe(const TrackedPen& tracked, Outcome& outcome) {
     outcome.lines.push_back(concat("  lost in ", frames, " frames: ", reason));
 }
 
-Outcome run_track(const TrackArguments& arguments) {
+Outcome run_track(const TrackArguments& arguments, const Progress& progress) {
   const TrackedPenOptions options = options_of(arguments);
   Outcome outcome;
-  BlobRecording recording;
   StereoRig rig;
   std::vector<TimedPose> truth;
   {
     const ScopedStage stage(outcome.times, "read");
-    recording = read_blobs(arguments.input, &outcome.warnings);
     rig = rig_named(arguments.rig);
     if (!arguments.truth.empty()) truth = read_pen_poses(arguments.truth);
   }
+  const BlobRecording recording = read_pen_recording(arguments.input, rig, outcome, progress);
   TrackedPen tracked;
   try {
     tracked = tracked_pen(recording, rig, options);
@@ -208,10 +208,16 @@ Outcome run_track(const TrackArguments& arguments) {
 void add_track(CLI::App& app) {
   auto arguments = std::make_shared<TrackArguments>();
   TrackArguments& a = *arguments;
-  CLI::App* command = add_command(app, "track", "Follow a pen through the images of two cameras",
-                                  "batten track blobs.jsonl --rig rig.json -o session.jsonl --tip tip.csv",
-                                  [arguments](Context&) { return run_track(*arguments); });
-  command->add_option("blobs", a.input, "What the cameras saw (.jsonl, docs/files.md#blobs)")->required();
+  CLI::App* command =
+      add_command(app, "track", "Follow a pen through the images of two cameras",
+                  "batten track blobs.jsonl --rig rig.json -o session.jsonl --tip tip.csv",
+                  [arguments](Context& context) { return run_track(*arguments, context.progress); });
+  command
+      ->add_option(
+          "blobs", a.input,
+          "What the cameras saw: blobs (.jsonl, docs/files.md#blobs), or a folder of images with its "
+          "frames.jsonl")
+      ->required();
   command
       ->add_option("--rig", a.rig,
                    "The cameras: rig.json of batten rig calibrate, or wiimote, vga or global as simulated")

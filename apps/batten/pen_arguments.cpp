@@ -1,5 +1,7 @@
 #include "pen_arguments.hpp"
 
+#include "pen_image_files.hpp"
+
 #include <cmath>
 
 #include "batten/core/error.hpp"
@@ -65,6 +67,7 @@ SimulatePenOptions options_of(const SimulatePenArguments& arguments, std::uint64
   options.sun = arguments.sun;
   options.unsynchronised = arguments.unsynchronised;
   options.inertial = arguments.imu;
+  options.images = !arguments.images.empty();
   read_calibration_error(arguments.calibration_error, options);
   return options;
 }
@@ -140,11 +143,14 @@ void add_simulate_pen_options(CLI::App& command, SimulatePenArguments& a) {
             })));
   group(command.add_option("--rig-output", a.rig_output,
                            "Write the rig as its user believes it to be (.json)"));
+  group(
+      command.add_option("--images", a.images,
+                         "A folder for what each camera sees (.pgm), with a list of times for batten track"));
   group(command.add_flag("--imu", a.imu, "Readings of an inertial sensor in the pen, 200 Hz"));
 }
 
 Outcome run_simulate_pen(const SimulatePenArguments& arguments, const std::string& output,
-                         const std::string& truth, std::uint64_t seed) {
+                         const std::string& truth, std::uint64_t seed, const Progress& progress) {
   Outcome outcome;
   SimulatePenOptions options = options_of(arguments, seed);
   std::vector<Points> strokes;
@@ -168,6 +174,7 @@ Outcome run_simulate_pen(const SimulatePenArguments& arguments, const std::strin
   }
   const ScopedStage stage(outcome.times, "write");
   write_blobs(simulated.recording, output);
+  if (options.images) write_pen_images(simulated, seed, arguments.images, progress);
   if (!truth.empty()) write_file(truth, format_pen_poses(simulated.truth));
   if (!arguments.rig_output.empty()) write_rig({simulated.nominal, {}}, arguments.rig_output);
   std::size_t blobs = 0;
@@ -181,6 +188,10 @@ Outcome run_simulate_pen(const SimulatePenArguments& arguments, const std::strin
   outcome.lines.push_back(concat(simulated.recording.frames.size(), " frames with ", blobs, " blobs, ",
                                  simulated.recording.buttons.size() / 2, " strokes in ",
                                  simulated.truth.back().time, " s: ", output));
+  if (options.images) {
+    outcome.figures["images"] = simulated.recording.frames.size();
+    outcome.lines.push_back(concat("images: ", arguments.images));
+  }
   if (!truth.empty()) outcome.lines.push_back(concat("true poses of the pen: ", truth));
   return outcome;
 }

@@ -12,7 +12,7 @@ namespace batten::cli {
 /// The options of `batten simulate pen`.
 struct SimulatePenArguments {
   std::string rig = "global", path = "circle", distance = "0.6m", tip_offset = "60mm", hide, hand = "0",
-              calibration_error = "0", rig_output, duration, tremor = "0.1mm";
+              calibration_error = "0", rig_output, images, duration, tremor = "0.1mm";
   double speed = PenMotionOptions().speed;
   int false_blobs = 0;
   bool sun = false, unsynchronised = false, imu = false;
@@ -23,7 +23,7 @@ void add_simulate_pen_options(CLI::App& command, SimulatePenArguments& arguments
 
 /// Carries `simulate pen` out.
 Outcome run_simulate_pen(const SimulatePenArguments& arguments, const std::string& output,
-                         const std::string& truth, std::uint64_t seed);
+                         const std::string& truth, std::uint64_t seed, const Progress& progress);
 
 /// A plain length in metres, "60mm" or "0.06". @throws InvalidInput, also on a share of the diameter.
 double metres(const std::string& text);

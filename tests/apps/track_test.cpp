@@ -56,5 +56,53 @@ TEST(TrackCommand, SaysWhatIsWrong) {
   EXPECT_EQ(run_batten("simulate pen -o y.jsonl --path nothing.jsonl").exit_code, 3);
 }
 
+// From images to a track: each frame comes as near to its bound, which is 1.2 times that of the blobs, as
+// these know nothing of the noise of room light.
+TEST(TrackCommand, FindsThePenInImages) {
+  const Json simulated = run_json(
+      "simulate pen -o seen.jsonl --images seen --truth seen.csv --rig vga --path line --duration 0.5s "
+      "--speed 0.3 --distance 0.8m --false-blobs 2 --seed 3");
+  EXPECT_EQ(simulated["images"], simulated["frames"]);
+  const Json blobs = run_json("track seen.jsonl --rig vga -o seen-blobs.jsonl --truth seen.csv");
+  const Json images = run_json("track seen --rig vga -o seen-images.jsonl --truth seen.csv");
+  EXPECT_EQ(images["frames"], simulated["images"]);
+  EXPECT_EQ(images["accuracy"]["wrong_identities"], 0);
+  EXPECT_LT(images["accuracy"]["frame_alone"]["rms_by_bound"], 1.15);
+  EXPECT_LT(images["accuracy"]["frame_alone"]["bound_mm"],
+            1.35 * blobs["accuracy"]["frame_alone"]["bound_mm"].get<double>());
+  EXPECT_GE(images["accuracy"]["answered_share"], 0.99);
+  EXPECT_EQ(read_file("seen-images.jsonl"), [] {
+    run_json("track seen --rig vga -o seen-again.jsonl --threads 1");
+    return read_file("seen-again.jsonl");
+  }());
+}
+
+TEST(TrackCommand, RefusesImagesThatAreNone) {
+  const std::string list =
+      "{\"format\":\"batten "
+      "blobs\",\"version\":1}\n{\"time\":0,\"camera\":\"left\",\"image\":\"images/l.pgm\"}\n"
+      "{\"time\":0,\"camera\":\"right\",\"image\":\"images/l.pgm\"}\n";
+  write_file("images.jsonl", list);
+  run_json("simulate pen -o y.jsonl --images images --rig wiimote --path line --duration 0.1s");
+  const auto refused = [](const std::string& bytes, const std::string& sentence) {
+    write_file("images/l.pgm", bytes);
+    const auto run = run_batten("track images.jsonl --rig wiimote -o none.jsonl");
+    EXPECT_EQ(run.exit_code, 3) << sentence;
+    EXPECT_NE(run.err.find(sentence), std::string::npos) << run.err;
+    EXPECT_FALSE(file_exists("none.jsonl"));
+  };
+  const std::string header = "P5\n128 96\n255\n";
+  refused("P5\n64 48\n255\n" + std::string(64 * 48, 9), "128 x 96");
+  refused("P6\n128 96\n255\n" + std::string(3 * 128 * 96, 9), "colour");
+  refused("P5\n128 96\n65535\n" + std::string(2 * 128 * 96, 9), "8 bits");
+  refused(header + std::string(100, 9), "pixels are missing");
+  refused("\xff\xd8\xff" + std::string(100, 9), "losses");
+  refused(header + std::string(128 * 96, '\xff'), "overexposed");
+  refused(header + std::string(128 * 96, '\0'), "black");
+  write_file("images/frames.jsonl", list);  // names are relative to the list
+  EXPECT_EQ(run_batten("track images --rig wiimote -o none.jsonl").exit_code, 3) << "images that are missing";
+  EXPECT_EQ(run_batten("track . --rig wiimote -o none.jsonl").exit_code, 3) << "a folder without a list";
+}
+
 }  // namespace
 }  // namespace batten::test

@@ -42,6 +42,19 @@ TEST(BlobsIo, ReadsBackWhatItWrites) {
   EXPECT_FALSE(read.buttons[1].down);
 }
 
+TEST(BlobsIo, FramesMayNameAnImageInstead) {
+  const std::string line = R"({"time":0.5,"camera":"right","image":"right \"1\".pgm"})"
+                           "\n";
+  const BlobRecording read = parse_blobs(kHeader + kFrame + line, "b.jsonl");
+  ASSERT_EQ(read.frames.size(), 2u);
+  EXPECT_EQ(read.frames[0].image, "");
+  EXPECT_EQ(read.frames[1].image, "right \"1\".pgm");
+  EXPECT_TRUE(read.frames[1].blobs.empty());
+  EXPECT_EQ(parse_blobs(format_blobs(read), "b.jsonl").frames[1].image, read.frames[1].image);
+  EXPECT_NE(blobs_error(kHeader + "{\"time\":1,\"camera\":\"left\",\"image\":7}\n").find("image"),
+            std::string::npos);
+}
+
 TEST(BlobsIo, PutsFramesInOrderAndLeavesOutATornLine) {
   std::vector<std::string> notes;
   const BlobRecording read = parse_blobs(

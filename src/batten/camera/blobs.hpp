@@ -19,6 +19,7 @@ struct BlobFrame {
   double time = 0;  ///< middle of the exposure, seconds
   CameraSide camera = CameraSide::Left;
   std::vector<Blob> blobs;
+  std::string image{};  ///< file that the blobs are still to be found in, beside the recording; else empty
 };
 
 /// A reading of the inertial sensor in the pen, in its own axes.

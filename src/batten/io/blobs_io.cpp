@@ -130,7 +130,16 @@ class BlobReader {
       frame.camera = CameraSide::Right;
     else
       lines_.fail("camera must be \"left\" or \"right\"");
-    if (!object.contains("blobs") || !object.at("blobs").is_array()) lines_.fail("blobs must be a list");
+    if (object.contains("image") && !object.contains("blobs")) {
+      const Json& image = object.at("image");
+      if (!image.is_string() || image.get_ref<const std::string&>().empty())
+        lines_.fail("image must be the name of a file");
+      frame.image = image.get<std::string>();
+      recording_.frames.push_back(std::move(frame));
+      return;
+    }
+    if (!object.contains("blobs") || !object.at("blobs").is_array())
+      lines_.fail("blobs must be a list, or image the name of a file");
     for (const Json& entry : object.at("blobs")) frame.blobs.push_back(blob(entry));
     recording_.frames.push_back(std::move(frame));
   }
@@ -182,8 +191,12 @@ std::string format_blobs(const BlobRecording& recording) {
   text += "}\n";
   for (const BlobFrame& frame : recording.frames) {
     text += "{\"time\":" + exact_decimal(frame.time);
-    text += frame.camera == CameraSide::Left ? ",\"camera\":\"left\",\"blobs\":["
-                                             : ",\"camera\":\"right\",\"blobs\":[";
+    text += frame.camera == CameraSide::Left ? ",\"camera\":\"left\"" : ",\"camera\":\"right\"";
+    if (!frame.image.empty()) {
+      text += ",\"image\":" + Json(frame.image).dump() + "}\n";
+      continue;
+    }
+    text += ",\"blobs\":[";
     for (std::size_t b = 0; b < frame.blobs.size(); ++b) {
       const Blob& blob = frame.blobs[b];
       text += b > 0 ? ",[" : "[";

@@ -7,8 +7,8 @@
 namespace batten {
 
 /// Reads what two cameras saw of a pen (docs/files.md, "Blobs"): one JSON object a line, the first of which
-/// names the format. Frames, readings and events are put in order of time; a last line that was not finished
-/// is left out with a note.
+/// names the format. A frame may name an image instead of blobs. Frames, readings and events are put in order
+/// of time; a last line that was not finished is left out with a note.
 /// @param notes  takes what was left out
 /// @throws FileError naming the line: no JSON, a field that is missing or of the wrong kind, numbers that are
 /// not finite, a covariance that is none, a version that is newer than this program.

@@ -23,6 +23,9 @@ constexpr double kReference = 0.6;       // metres, where an LED has `kReference
 constexpr double kReferencePeak = 200;   // grey levels
 constexpr double kRateError = 50e-6;     // of free-running clocks
 constexpr double kTruthStep = 2e-3;      // seconds
+constexpr double kLampRadius = 15e-3;    // metres
+constexpr double kLampPeak = 400;        // grey levels before clipping
+constexpr double kSunRadius = 0.03;      // of the width of the image
 constexpr int kMotionSamples = 5;        // per exposure
 constexpr double kWiimoteSigma = 0.075;  // pixels, of a centroid above a threshold
 constexpr double kWiimoteStep = 1.0 / 8;
@@ -120,44 +123,65 @@ struct Scene {
   std::vector<Eigen::Vector3d> lamps;
 };
 
+/// Image of an LED at rest.
+Spot spot_of(const Scene& scene, const Camera& camera, const Eigen::Vector2d& pixel, double depth,
+             double cosine) {
+  const auto variance = [&](double z) {
+    const double disc = camera.fx * kLedRadius / z;
+    return scene.kind.blur * scene.kind.blur + disc * disc / 4;
+  };
+  const double light = kReferencePeak * variance(kReference) * std::pow(kReference / depth, 2) * cosine;
+  return {pixel, std::sqrt(variance(depth)), light / variance(depth)};
+}
+
+/// Where a point that moves is seen during the exposure, and the mean of that.
+struct ExposedWay {
+  std::vector<Eigen::Vector2d> way;
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+};
+
+/// A frame and what it is made of.
+struct TakenFrame {
+  BlobFrame frame;
+  std::vector<SeenLight> lights;
+};
+
 /// Adds the image of a light with its noise.
-void add_light(const Scene& scene, CameraSide side, const Eigen::Vector2d& pixel, double depth, double cosine,
-               Random& noise, std::vector<Blob>& blobs) {
-  const Camera& camera = side == CameraSide::Left ? scene.rig.left : scene.rig.right;
-  if (!is_inside(camera, pixel)) return;
+void add_light(const Scene& scene, const ExposedWay& exposed, double depth, double cosine, Random& noise,
+               TakenFrame& taken) {
+  const Camera& camera = taken.frame.camera == CameraSide::Left ? scene.rig.left : scene.rig.right;
+  const Spot spot = spot_of(scene, camera, exposed.mean, depth, cosine);
+  if (scene.options.images)
+    taken.lights.push_back({SeenLight::Kind::Led, exposed.way, spot.sigma, spot.peak});
+  if (!is_inside(camera, exposed.mean)) return;
   Blob blob;
   const Eigen::Vector2d draw(noise.normal(), noise.normal());
   if (scene.options.rig == PenRig::Wiimote) {
-    blob.pixel = pixel + kWiimoteSigma * draw;
+    blob.pixel = exposed.mean + kWiimoteSigma * draw;
     for (double& value : blob.pixel) value = std::round(value / kWiimoteStep) * kWiimoteStep;
     blob.covariance =
         (kWiimoteSigma * kWiimoteSigma + kWiimoteStep * kWiimoteStep / 12) * Eigen::Matrix2d::Identity();
   } else {
-    const auto variance = [&](double z) {
-      const double disc = camera.fx * kLedRadius / z;
-      return scene.kind.blur * scene.kind.blur + disc * disc / 4;
-    };
-    const double light = kReferencePeak * variance(kReference) * std::pow(kReference / depth, 2) * cosine;
-    const Spot spot{pixel, std::sqrt(variance(depth)), light / variance(depth)};
     if (spot.peak < 6 * SensorNoise().read) return;  // lost in the noise
     blob.covariance = centre_bound(spot, {});
-    blob.pixel = pixel + blob.covariance.llt().matrixL() * draw;
+    blob.pixel = exposed.mean + blob.covariance.llt().matrixL() * draw;
   }
-  blobs.push_back(blob);
+  taken.frame.blobs.push_back(blob);
 }
 
-/// The mean over the exposure of the image of a point that moves; nothing where it is behind the camera.
+/// The image of a point that moves during the exposure; nothing where it is behind the camera.
 template <typename PointAt>
-std::optional<Eigen::Vector2d> exposed(const Scene& scene, CameraSide side, double time,
-                                       const PointAt& point) {
-  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+std::optional<ExposedWay> exposed(const Scene& scene, CameraSide side, double time, const PointAt& point) {
+  ExposedWay result;
   for (int k = 0; k < kMotionSamples; ++k) {
     const double t = time + scene.kind.exposure * ((k + 0.5) / kMotionSamples - 0.5);
     const auto pixel = image_in(scene.rig, side, point(t));
     if (!pixel) return {};
-    sum += *pixel;
+    result.way.push_back(*pixel);
+    result.mean += *pixel;
   }
-  return sum / kMotionSamples;
+  result.mean /= kMotionSamples;
+  return result;
 }
 
 double depth_in(const StereoRig& rig, CameraSide side, const Eigen::Vector3d& point) {
@@ -172,7 +196,8 @@ double lobe(const StereoRig& rig, CameraSide side, const PenPose& pose, const Ei
   return std::max(0.0, axis.dot((centre - led).normalized()));
 }
 
-long add_leds(const Scene& scene, BlobFrame& frame, Random& noise) {
+long add_leds(const Scene& scene, TakenFrame& taken, Random& noise) {
+  const BlobFrame& frame = taken.frame;
   std::array<bool, kPenLeds> hidden = scene.options.hidden;
   for (const Cover& cover : scene.covers)
     if (frame.time >= cover.from && frame.time <= cover.to)
@@ -181,18 +206,20 @@ long add_leds(const Scene& scene, BlobFrame& frame, Random& noise) {
   const PenPose pose = scene.motion.at(frame.time);
   for (int i = 0; i < kPenLeds; ++i) {
     if (hidden[static_cast<std::size_t>(i)]) continue;
-    const auto pixel = exposed(scene, frame.camera, frame.time, [&](double t) {
+    const auto way = exposed(scene, frame.camera, frame.time, [&](double t) {
       return led_position(scene.options.pen, scene.motion.at(t), i);
     });
     const Eigen::Vector3d led = led_position(scene.options.pen, pose, i);
-    if (pixel)
-      add_light(scene, frame.camera, *pixel, depth_in(scene.rig, frame.camera, led),
-                lobe(scene.rig, frame.camera, pose, led), noise, frame.blobs);
+    if (way)
+      add_light(scene, *way, depth_in(scene.rig, frame.camera, led), lobe(scene.rig, frame.camera, pose, led),
+                noise, taken);
   }
   return static_cast<long>(frame.blobs.size() - before);
 }
 
-void add_disturbances(const Scene& scene, BlobFrame& frame, Random& noise) {
+void add_disturbances(const Scene& scene, TakenFrame& taken, Random& noise) {
+  BlobFrame& frame = taken.frame;
+  const Camera& camera = frame.camera == CameraSide::Left ? scene.rig.left : scene.rig.right;
   const Eigen::Vector3d& n = scene.mirror_normal;
   for (int k = 0; k < scene.options.false_blobs; ++k) {
     const auto point = [&](double t) -> Eigen::Vector3d {
@@ -200,16 +227,23 @@ void add_disturbances(const Scene& scene, BlobFrame& frame, Random& noise) {
       const Eigen::Vector3d led = led_position(scene.options.pen, scene.motion.at(t), (k / 2) % kPenLeds);
       return led - 2 * (n.dot(led) - scene.mirror_offset) * n;
     };
-    if (const auto pixel = exposed(scene, frame.camera, frame.time, point))
-      add_light(scene, frame.camera, *pixel, depth_in(scene.rig, frame.camera, point(frame.time)), 0.7, noise,
-                frame.blobs);
+    const auto way = exposed(scene, frame.camera, frame.time, point);
+    if (!way) continue;
+    const double depth = depth_in(scene.rig, frame.camera, point(frame.time));
+    add_light(scene, *way, depth, 0.7, noise, taken);
+    if (!scene.options.images || k % 2 == 0) continue;
+    taken.lights.back() = {SeenLight::Kind::Lamp,
+                           {way->mean},
+                           std::hypot(scene.kind.blur, camera.fx * kLampRadius / depth / 2),
+                           kLampPeak};
   }
-  const Camera& camera = frame.camera == CameraSide::Left ? scene.rig.left : scene.rig.right;
   for (const SunSpot& spot : scene.suns) {
     const bool seen = frame.camera == CameraSide::Left ? spot.left : spot.right;
     if (!seen || frame.time < spot.from || frame.time > spot.to) continue;
     const Eigen::Vector2d pixel = camera.width * (spot.start + (frame.time - spot.from) * spot.speed);
     const double sigma = 0.004 * camera.width;  // of a ragged edge
+    if (scene.options.images)
+      taken.lights.push_back({SeenLight::Kind::Sun, {pixel}, kSunRadius * camera.width, 0});
     if (is_inside(camera, pixel))
       frame.blobs.push_back({pixel + sigma * Eigen::Vector2d(noise.normal(), noise.normal()),
                              sigma * sigma * Eigen::Matrix2d::Identity()});
@@ -222,24 +256,30 @@ void take_frames(const Scene& scene, SimulatedPen& result) {
   Random clock(seed, kClock), order(seed, kOrder);
   const bool free = options.unsynchronised || options.rig == PenRig::Wiimote;
   const double duration = scene.motion.duration();
+  std::vector<TakenFrame> all;
   for (const CameraSide side : {CameraSide::Left, CameraSide::Right}) {
     const auto stream = static_cast<std::uint64_t>(side);
     Random noise(seed, kNoise + 100 * (1 + stream)), disturbance(seed, kFalse + 100 * (1 + stream));
     const double phase = clock.uniform(), rate = clock.uniform(-1, 1);
     const double period = (1 + (free ? kRateError * rate : 0)) / scene.kind.rate;
     for (double time = (free ? phase : 0.5) * period; time < duration; time += period) {
-      BlobFrame frame{time, side, {}};
-      result.images_of_leds += add_leds(scene, frame, noise);
-      add_disturbances(scene, frame, disturbance);
+      TakenFrame taken{{time, side, {}}, {}};
+      result.images_of_leds += add_leds(scene, taken, noise);
+      add_disturbances(scene, taken, disturbance);
+      BlobFrame& frame = taken.frame;
       for (std::size_t i = frame.blobs.size(); i > 1; --i)
         std::swap(frame.blobs[i - 1], frame.blobs[static_cast<std::size_t>(order.below(i))]);
       if (options.rig == PenRig::Wiimote && frame.blobs.size() > kWiimoteBlobs)
         frame.blobs.resize(kWiimoteBlobs);
-      result.recording.frames.push_back(std::move(frame));
+      all.push_back(std::move(taken));
     }
   }
-  std::stable_sort(result.recording.frames.begin(), result.recording.frames.end(),
-                   [](const BlobFrame& a, const BlobFrame& b) { return a.time < b.time; });
+  std::stable_sort(all.begin(), all.end(),
+                   [](const TakenFrame& a, const TakenFrame& b) { return a.frame.time < b.frame.time; });
+  for (TakenFrame& taken : all) {
+    result.recording.frames.push_back(std::move(taken.frame));
+    if (options.images) result.lights.push_back(std::move(taken.lights));
+  }
 }
 
 /// Axes of the pen's sensor: z along the pen, x where the swing turns it least (no roll of its own).

@@ -7,6 +7,7 @@
 
 #include "batten/camera/blobs.hpp"
 #include "batten/core/choices.hpp"
+#include "batten/simulation/pen_images.hpp"
 #include "batten/simulation/pen_motion.hpp"
 #include "batten/simulation/spot.hpp"
 
@@ -44,6 +45,7 @@ struct SimulatePenOptions {
   /// focal lengths, as a fraction, up or down.
   double rotation_error = 0, focal_error = 0;
   bool inertial = false;  ///< readings of a gyroscope and an accelerometer in the pen, 200 Hz
+  bool images = false;    ///< what pen_image() needs to draw each frame
 
   /// The first problem found, naming field and value, or nothing.
   std::optional<std::string> problem() const;
@@ -56,6 +58,9 @@ struct SimulatedPen {
   StereoRig nominal;             ///< what the user believes
   StereoRig actual;              ///< what took the images
   long images_of_leds = 0;       ///< that were seen, over all frames
+  /// For every frame what is bright in it, where images are wanted: LEDs and mirrored ones, lamps of 15 mm
+  /// radius with a streak of glare, the sun. What is hidden is not there.
+  std::vector<std::vector<SeenLight>> lights;
 };
 
 /// Frames of both cameras: the LEDs that are inside the image and not hidden, each averaged over the
