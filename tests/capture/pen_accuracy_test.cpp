@@ -23,6 +23,17 @@ TEST(PenAccuracy, WaitingForFramesPays) {
   EXPECT_LT(judged.accuracy.mean_chi_square, 1.5);
 }
 
+// Between frames that are 17 ms apart a hand trembles off the line by more than its blobs' errors: the right
+// camera's blobs are taken from cubics, or the ratio is 1.5.
+TEST(PenAccuracy, FramesOfFreeCamerasReachTheBoundToo) {
+  SimulatePenOptions options;
+  options.rig = PenRig::Vga;
+  options.unsynchronised = true;
+  const Judged judged = judge(options, 23);
+  EXPECT_GT(judged.accuracy.single_frames, 100);
+  EXPECT_NEAR(judged.accuracy.single_rms / judged.accuracy.bound_rms, 1, 0.15);
+}
+
 // A track that is the truth moved by 1 mm is off by 1 mm in every frame.
 TEST(PenAccuracy, MeasuresAKnownError) {
   Judged judged = judge({}, 18);
