@@ -11,6 +11,7 @@
 #include "batten/io/file.hpp"
 #include "batten/io/rig_io.hpp"
 #include "batten/session/journal.hpp"
+#include "batten/simulation/simulate_boards.hpp"
 
 namespace batten::cli {
 
@@ -146,6 +147,9 @@ void add_simulate_pen_options(CLI::App& command, SimulatePenArguments& a) {
   group(
       command.add_option("--images", a.images,
                          "A folder for what each camera sees (.pgm), with a list of times for batten track"));
+  group(command.add_option("--corners", a.corners,
+                           "Corners of a chessboard before these cameras (.csv), 20 pairs, for batten rig "
+                           "calibrate"));
   group(command.add_flag("--imu", a.imu, "Readings of an inertial sensor in the pen, 200 Hz"));
 }
 
@@ -174,6 +178,11 @@ Outcome run_simulate_pen(const SimulatePenArguments& arguments, const std::strin
   }
   const ScopedStage stage(outcome.times, "write");
   write_blobs(simulated.recording, output);
+  if (!arguments.corners.empty()) {
+    SimulateBoardsOptions boards;
+    boards.seed = seed;
+    write_corners(simulate_boards(simulated.actual, boards), arguments.corners);
+  }
   if (options.images) write_pen_images(simulated, seed, arguments.images, progress);
   if (!truth.empty()) write_file(truth, format_pen_poses(simulated.truth));
   if (!arguments.rig_output.empty()) write_rig({simulated.nominal, {}}, arguments.rig_output);

@@ -12,7 +12,7 @@ namespace batten::cli {
 /// The options of `batten simulate pen`.
 struct SimulatePenArguments {
   std::string rig = "global", path = "circle", distance = "0.6m", tip_offset = "60mm", hide, hand = "0",
-              calibration_error = "0", rig_output, images, duration, tremor = "0.1mm";
+              calibration_error = "0", rig_output, images, corners, duration, tremor = "0.1mm";
   double speed = PenMotionOptions().speed;
   int false_blobs = 0;
   bool sun = false, unsynchronised = false, imu = false;
