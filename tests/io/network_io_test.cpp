@@ -31,7 +31,7 @@ CurveNetwork full_network(double scale = 1) {
   }
   network.curves.push_back({"the rim, \"outer\" č", true, {0, 1, 2, 3, 0}});
   network.curves.push_back({"", false, {2, 4}});
-  network.curves.push_back({"keel", false, {4, 5, 0}});
+  network.curves.push_back({"keel", false, {4, 5, 0}, true});
   network.tagged_nodes = {1, 5};
   network.unit = "mm";
   return network;
@@ -46,8 +46,22 @@ void expect_equal(const CurveNetwork& a, const CurveNetwork& b) {
   for (size_t c = 0; c < a.curves.size(); ++c) {
     EXPECT_EQ(a.curves[c].name, b.curves[c].name);
     EXPECT_EQ(a.curves[c].boundary, b.curves[c].boundary);
+    EXPECT_EQ(a.curves[c].sharp, b.curves[c].sharp);
     EXPECT_EQ(a.curves[c].vertices, b.curves[c].vertices);
+    EXPECT_EQ(a.curves[c].left_normals, b.curves[c].left_normals);
+    EXPECT_EQ(a.curves[c].right_normals, b.curves[c].right_normals);
   }
+}
+
+TEST(NetworkIo, NormalsOnBothSidesOfASharpCurveAreKeptByJsonAndTheirLossIsToldElsewhere) {
+  CurveNetwork network = full_network();
+  network.curves[2].left_normals = network.normals.topRows(3);
+  network.curves[2].right_normals = network.normals.bottomRows(3);
+  expect_equal(parse_network(format_network(network, NetworkFormat::Json), "a.json"), network);
+  EXPECT_TRUE(losses_in_format(network, NetworkFormat::Json).empty());
+  EXPECT_EQ(losses_in_format(network, NetworkFormat::Obj).size(), 1u);
+  network.curves[2].right_normals = network.normals.topRows(2);
+  EXPECT_THROW(parse_network(format_network(network, NetworkFormat::Json), "a.json"), FileError);
 }
 
 TEST(NetworkIo, ObjAndJsonKeepEverythingBitForBit) {
@@ -178,7 +192,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadFile{"a.net", kNet, 4, "number of curves"}, BadFile{"a.net", kNet + "1 2 3 4 5 6\n", 5, "alone"},
         BadFile{"a.net", kNet + "0\n", 0, "no curves"},
         BadFile{"a.net", kNet + "2\n0\n0 1\n", 7, "after 1 of 2"},
-        BadFile{"a.net", kNet + "1\n2\n0 1\n", 6, "expected 0 to 1"},
+        BadFile{"a.net", kNet + "1\n3\n0 1\n", 6, "expected 0 to 2"},
         BadFile{"a.net", kNet + "1\n0 1\n", 6, "alone"},
         BadFile{"a.net", kNet + "1\n0\n", 6, "before the vertices"},
         BadFile{"a.net", kNet + "1\n0\n0 3\n", 7, "expected 0 to 2"},

@@ -47,6 +47,16 @@ const char* const kLine =
     "+0.0 +1 0 0  0 0 1\n"
     "+2.5 +1 0 0  0 0 1\n";
 
+TEST(Rawnet, ASharpCurveIsReadAndWritten) {
+  const Scan scan = parse_rawnet(replaced(kLine, "0 # interior", "2"), "line.rawnet");
+  EXPECT_TRUE(scan.curves[0].sharp);
+  EXPECT_FALSE(scan.curves[0].boundary);
+  const std::string path = test::scratch_file("sharp.rawnet");
+  write_rawnet(scan, path);
+  EXPECT_TRUE(read_rawnet(path).curves[0].sharp);
+  EXPECT_FALSE(parse_rawnet(kLine, "line.rawnet").curves[0].sharp);
+}
+
 TEST(Rawnet, ReadsWhatTheFileSays) {
   const Scan scan = parse_rawnet(kLine, "line.rawnet");
   ASSERT_EQ(scan.curves.size(), 1U);
@@ -162,7 +172,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadChange{"NoCurves", "1\n0 # interior\n0\n2\n1 2\n0 1\n2\n+0.0 +1 0 0  0 0 1\n+2.5 +1 0 0  0 0 1\n",
                   "0\n", 1, "no curves"},
         BadChange{"NegativeCurves", "1\n0 #", "-1\n0 #", 1, "number of curves"},
-        BadChange{"FlagTwo", "0 # interior", "2", 2, "boundary flag"},
+        BadChange{"FlagThree", "0 # interior", "3", 2, "boundary flag"},
         BadChange{"NodeCountMismatch", "2\n1 2\n", "3\n1 2\n", 5, "3 numbers as announced, found 2"},
         BadChange{"NodeIdMissing", "0 1\n2\n", "0\n2\n", 6, "2 numbers as announced, found 1"},
         BadChange{"PositionZero", "1 2\n", "0 1\n", 5, "positions count from 1"},

@@ -44,6 +44,14 @@ TEST(SensorLogFile, ReadsColumnsFlagsAndAxes) {
   EXPECT_TRUE(std::isnan(log.gyroscope(2, 2)));
 }
 
+TEST(SensorLogFile, ASharpCurveIsReadAndWritten) {
+  const SensorLog log = parse_sensor_log(replaced(kLog, "boundary closed", "sharp closed"), "log.csv");
+  EXPECT_TRUE(log.curves[0].sharp && log.curves[0].closed && !log.curves[0].boundary);
+  const std::string path = test::scratch_file("sharp.csv");
+  write_sensor_log(log, path);
+  EXPECT_TRUE(read_sensor_log(path).curves[0].sharp);
+}
+
 TEST(SensorLogFile, TakesColumnsInAnyOrderAndIgnoresOthers) {
   const SensorLog log = parse_sensor_log("\"mag_x_uT\",remark,time_s\r\n7,\"hello\",1\r\n8,,2\r\n", "a");
   EXPECT_EQ(log.magnetometer(1, 0), 8);

@@ -134,9 +134,11 @@ RawNetwork parse_net(std::string content, const std::string& path) {
       reader.fail(concat("the file ends after ", c, " of ", n_curves,
                          " curves; it is truncated or its count is wrong"));
     Tokens flag(line);
-    curve.boundary = read_integer(flag, reader, concat("the boundary flag of curve ", c), 0, 1) == 1;
+    const long kind = read_integer(flag, reader, concat("the boundary flag of curve ", c), 0, 2);
+    curve.boundary = kind == 1;
+    curve.sharp = kind == 2;
     if (flag.next(line))
-      reader.fail(concat("expected the boundary flag of curve ", c, " (0 or 1) alone on this line"));
+      reader.fail(concat("expected the boundary flag of curve ", c, " (0, 1 or 2) alone on this line"));
     line = next_content(reader);
     if (line.empty())
       reader.fail(concat("the file ends before the vertices of curve ", c, "; it is truncated"));
@@ -193,7 +195,8 @@ RawNetwork parse_obj_network(std::string content, const std::string& path) {
                                   " vertices were left out; write one vn for each v"));
   std::vector<NetworkCurve> pieces;
   for (ObjContent::Line& line : obj.lines) {
-    NetworkCurve curve{std::move(line.object), line.group == "boundary", std::move(line.vertices)};
+    NetworkCurve curve{std::move(line.object), line.group == "boundary", std::move(line.vertices),
+                       line.group == "sharp"};
     for (size_t k = 1; k < curve.vertices.size(); ++k)
       if (curve.vertices[k] == curve.vertices[k - 1])
         throw FileError(
@@ -224,7 +227,7 @@ std::string net_text(const CurveNetwork& network) {
   }
   text += concat(network.curves.size(), '\n');
   for (const NetworkCurve& curve : network.curves) {
-    text += curve.boundary ? "1\n" : "0\n";
+    text += curve.boundary ? "1\n" : curve.sharp ? "2\n" : "0\n";
     for (size_t k = 0; k < curve.vertices.size(); ++k) {
       if (k > 0) text += ' ';
       text += std::to_string(curve.vertices[k]);
@@ -253,7 +256,11 @@ std::string obj_network_text(const CurveNetwork& network) {
       text += '\n';
     }
   for (const NetworkCurve& curve : network.curves) {
-    text += concat("o ", one_line(curve.name), "\ng ", curve.boundary ? "boundary" : "inner", "\nl");
+    text += concat("o ", one_line(curve.name), "\ng ",
+                   curve.boundary ? "boundary"
+                   : curve.sharp  ? "sharp"
+                                  : "inner",
+                   "\nl");
     for (const int v : curve.vertices) (text += ' ') += std::to_string(v + 1);
     text += '\n';
   }
@@ -437,6 +444,10 @@ void write_network(const std::string& path, const CurveNetwork& network) {
 
 std::vector<std::string> losses_in_format(const CurveNetwork& network, NetworkFormat format) {
   std::vector<std::string> losses;
+  if (format != NetworkFormat::Json &&
+      std::any_of(network.curves.begin(), network.curves.end(),
+                  [](const NetworkCurve& c) { return c.left_normals.rows() + c.right_normals.rows() > 0; }))
+    losses.emplace_back("the normals on both sides of sharp curves are kept by .json alone");
   if (format != NetworkFormat::Net) return losses;
   if (std::any_of(network.curves.begin(), network.curves.end(),
                   [](const NetworkCurve& c) { return !c.name.empty(); }))

@@ -99,6 +99,20 @@ Json parsed(const std::string& content, const std::string& path) {
   }
 }
 
+/// The normals on one side of a sharp curve: unit, one per vertex, or none.
+Points side_normals(const Node& curve, const char* key, size_t count) {
+  if (!curve.has(key)) return Points(0, 3);
+  const Node node = curve.at(key);
+  Points normals = node.points();
+  if (normals.rows() != 0 && static_cast<size_t>(normals.rows()) != count)
+    node.fail(concat("has ", normals.rows(), " rows for ", count, " vertices"));
+  for (Eigen::Index k = 0; k < normals.rows(); ++k) {
+    if (!(normals.row(k).squaredNorm() > 0)) node.at(static_cast<size_t>(k)).fail("has length 0");
+    if (std::abs(normals.row(k).squaredNorm() - 1) > 1e-12) normals.row(k).normalize();
+  }
+  return normals;
+}
+
 CurveNetwork read_own(const Node& root) {
   if (const Node version = root.at("version"); version.number() != 1)
     version.fail("is not 1; the file is from a newer program");
@@ -121,6 +135,9 @@ CurveNetwork read_own(const Node& root) {
     const Node vertices = node.at("vertices").array();
     if (vertices.size() < 2) vertices.fail("needs at least two vertices");
     for (size_t k = 0; k < vertices.size(); ++k) curve.vertices.push_back(vertices.at(k).index(0, n - 1));
+    if (node.has("sharp")) curve.sharp = node.at("sharp").boolean();
+    curve.left_normals = side_normals(node, "left_normals", curve.vertices.size());
+    curve.right_normals = side_normals(node, "right_normals", curve.vertices.size());
     network.curves.push_back(std::move(curve));
   }
   if (root.has("tagged_nodes")) {
@@ -256,6 +273,9 @@ std::string json_network_text(const CurveNetwork& network) {
     text += concat(c > 0 ? ",\n  {\"name\": " : "\n  {\"name\": ", json_text(curve.name),
                    ", \"boundary\": ", curve.boundary ? "true" : "false", ", \"vertices\": ");
     append_integers(text, curve.vertices);
+    if (curve.sharp) text += ", \"sharp\": true";
+    if (curve.left_normals.rows() > 0) append_rows(text += ", \"left_normals\": ", curve.left_normals);
+    if (curve.right_normals.rows() > 0) append_rows(text += ", \"right_normals\": ", curve.right_normals);
     text += '}';
   }
   text += "],\n \"tagged_nodes\": ";

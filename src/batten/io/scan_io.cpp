@@ -173,11 +173,12 @@ class RawnetParser {
     return value;
   }
 
-  bool flag(const std::string& what) {
+  /// One digit from 0 to `most` on a line.
+  int digit(const std::string& what, int most) {
     const std::string_view line = expected_line(what);
-    if (line != "0" && line != "1")
+    if (line.size() != 1 || line[0] < '0' || line[0] > '0' + most)
       in_.fail(concat("expected ", what, ", found ", quoted(line), hint_after_count_));
-    return line == "1";
+    return line[0] - '0';
   }
 
   /// `count` whole numbers on one line.
@@ -199,9 +200,12 @@ class RawnetParser {
     const std::string of_curve = concat(" of curve ", number, " of ", count);
     ScanCurve curve;
     name_.clear();
-    curve.boundary = flag(concat("the boundary flag", of_curve, ", 1 (boundary) or 0 (interior)"));
+    const int kind =
+        digit(concat("the boundary flag", of_curve, ", 1 (boundary), 0 (interior) or 2 (sharp)"), 2);
+    curve.boundary = kind == 1;
+    curve.sharp = kind == 2;
     hint_after_count_.clear();
-    curve.closed = flag(concat("the closed flag", of_curve, ", 1 (closed) or 0 (open)"));
+    curve.closed = digit(concat("the closed flag", of_curve, ", 1 (closed) or 0 (open)"), 1) == 1;
     const long n_nodes = whole_number(concat("the number of nodes", of_curve), 0);
     long line_of_positions = 0;
     if (n_nodes > 0) {
@@ -357,8 +361,12 @@ void write_rawnet(const Scan& scan, const std::string& path) {
     const ScanCurve& curve = scan.curves[c];
     text += concat("# curve ", c + 1, "\n");
     if (!curve.name.empty()) text += concat("# name: ", one_line(curve.name), "\n");
-    text += concat(curve.boundary ? 1 : 0, " # 1=boundary, 0=interior\n", curve.closed ? 1 : 0,
-                   " # 1=closed, 0=open\n# number of nodes\n", curve.node_ids.size(), "\n");
+    text +=
+        concat(curve.boundary ? 1
+               : curve.sharp  ? 2
+                              : 0,
+               curve.sharp ? " # 1=boundary, 0=interior, 2=sharp\n" : " # 1=boundary, 0=interior\n",
+               curve.closed ? 1 : 0, " # 1=closed, 0=open\n# number of nodes\n", curve.node_ids.size(), "\n");
     if (!curve.node_ids.empty())
       text += concat("# node indices\n", number_list(curve.node_readings, 1), " # local\n",
                      number_list(curve.node_ids, 0), " # global\n");

@@ -149,11 +149,13 @@ class LogParser {
       const std::string_view word = words.substr(0, end);
       if (word == "boundary")
         flags.boundary = true;
+      else if (word == "sharp")
+        flags.sharp = true;
       else if (word == "closed")
         flags.closed = true;
       else if (word != "interior" && word != "open")
-        in_.fail(
-            concat("expected boundary, interior, closed, open or name=… for a curve, found ", quoted(word)));
+        in_.fail(concat("expected boundary, interior, sharp, closed, open or name=… for a curve, found ",
+                        quoted(word)));
       words = trim(words.substr(end));
     }
     const auto known = index_of_curve_.find(flags.number);
@@ -364,7 +366,10 @@ void write_sensor_log(const SensorLog& log, const std::string& path) {
   std::string text = concat("# sensor log\n# axes: forward=", axis_text(log.axes.forward),
                             " normal=", axis_text(log.axes.normal), "\n");
   for (const LogCurve& curve : log.curves) {
-    text += concat("# curve ", curve.number, ":", curve.boundary ? " boundary" : " interior",
+    text += concat("# curve ", curve.number, ":",
+                   curve.boundary ? " boundary"
+                   : curve.sharp  ? " sharp"
+                                  : " interior",
                    curve.closed ? " closed" : " open");
     if (!curve.name.empty()) text += concat(" name=", one_line(curve.name));
     text += '\n';

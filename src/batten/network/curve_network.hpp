@@ -11,6 +11,11 @@ struct NetworkCurve {
   std::string name;           ///< as given by the file, or empty
   bool boundary = false;      ///< lies on the border of an open surface
   std::vector<int> vertices;  ///< indices into CurveNetwork::positions; at least two
+  /// The surface has an edge here: it is smooth on both sides, not across. See split_at_sharp_curves().
+  bool sharp = false;
+  /// Of a sharp curve: unit outward normals of the surface to its left and right (looking along the curve,
+  /// from outside), one per entry of `vertices`, or 0 × 3 where they are unknown.
+  Points left_normals = Points(0, 3), right_normals = Points(0, 3);
 
   bool closed() const { return vertices.size() > 2 && vertices.front() == vertices.back(); }
 };

@@ -109,7 +109,8 @@ CurveNetwork resampled(const CurveNetwork& network, double step, const HermiteOp
     kept(segment.vertices.front());
     kept(segment.vertices.back());
   }
-  for (const NetworkCurve& curve : network.curves) result.curves.push_back({curve.name, curve.boundary, {}});
+  for (const NetworkCurve& curve : network.curves)
+    result.curves.push_back({curve.name, curve.boundary, {}, curve.sharp});
   for (size_t s = 0; s < splines.segments.size(); ++s) {
     const HermiteSegment& segment = splines.segments[s];
     std::vector<int>& vertices = result.curves[static_cast<size_t>(segment.curve)].vertices;

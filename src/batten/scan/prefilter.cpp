@@ -407,6 +407,7 @@ SampledScan resample(const Scan& scan, const std::vector<CleanCurve>& curves, co
     SampledCurve curve;
     curve.name = scan.curves[c].name;
     curve.boundary = scan.curves[c].boundary;
+    curve.sharp = scan.curves[c].sharp;
     curve.closed = scan.curves[c].closed;
     const int n = static_cast<int>(clean.frames.size());
     if (curve.closed)

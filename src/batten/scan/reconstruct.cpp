@@ -232,6 +232,7 @@ CurveNetwork assemble(const Scan& scan, const SampledScan& samples, const Points
     NetworkCurve out;
     out.name = curve.name;
     out.boundary = curve.boundary;
+    out.sharp = curve.sharp;
     out.vertices = numbering.vertices[c];
     network.curves.push_back(std::move(out));
     for (int k = 0; k < curve.n_samples(); ++k)

@@ -43,6 +43,7 @@ FrameNumbering number_frames(const SampledScan& scan) {
   numbering.frames.resize(scan.curves.size());
   const VertexNumbering vertices = number_vertices(scan);
   std::vector<std::vector<int>> visits(vertices.n_nodes);
+  std::vector<char> on_edge(vertices.n_nodes, 0);  // nodes of sharp curves: no normal in common
   for (size_t c = 0; c < scan.curves.size(); ++c) {
     const SampledCurve& curve = scan.curves[c];
     const int n = curve.n_samples();
@@ -52,11 +53,15 @@ FrameNumbering number_frames(const SampledScan& scan) {
       numbering.frames[c].push_back(frame);
       const int vertex = vertices.vertices[c][k];
       if (vertex < vertices.n_nodes && !same_as_first) visits[vertex].push_back(frame);
+      if (vertex < vertices.n_nodes && curve.sharp) on_edge[vertex] = 1;
     }
   }
-  for (const std::vector<int>& frames : visits)
+  for (size_t node = 0; node < visits.size(); ++node) {
+    if (on_edge[node]) continue;
+    const std::vector<int>& frames = visits[node];
     for (size_t i = 0; i < frames.size(); ++i)
       for (size_t j = 0; j < i; ++j) numbering.node_pairs.emplace_back(frames[i], frames[j]);
+  }
   return numbering;
 }
 

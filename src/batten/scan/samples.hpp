@@ -25,6 +25,8 @@ struct SampledCurve {
   /// the frame, with the bias; NaN where unknown. The first leads from the last sample of the curve before.
   Points turns;
   Eigen::VectorXd turn_times;  ///< n, or empty: seconds since that sample; NaN where unknown
+  /// The surface has an edge here: at its nodes curves have normals of their own.
+  bool sharp = false;
 
   int n_samples() const { return static_cast<int>(frames.size()); }
   double step(int k) const { return parameters[k + 1] - parameters[k]; }  ///< length of step k, k < n − 1

@@ -65,6 +65,7 @@ class CurveBuilder {
     ScanCurve curve;
     curve.name = source.name;
     curve.boundary = source.boundary;
+    curve.sharp = source.sharp;
     curve.closed = source.closed;
     const auto n = static_cast<Eigen::Index>(rows.size());
     curve.distances.resize(n);

@@ -29,6 +29,7 @@ struct LogCurve {
   bool boundary = false;
   bool closed = false;
   std::string name;
+  bool sharp = false;  ///< an edge of the surface, see NetworkCurve::sharp
 };
 
 /// Raw readings of a device, row by row as they were recorded. What a device does not measure is NaN.

@@ -41,7 +41,8 @@ CurveNetwork in_segments(const CurveNetwork& network) {
   CurveNetwork result = network;
   result.curves.clear();
   for (const NetworkSegment& segment : network_topology(network).segments)
-    result.curves.push_back({network.curves[at(segment.curve)].name, segment.boundary, segment.vertices});
+    result.curves.push_back({network.curves[at(segment.curve)].name, segment.boundary, segment.vertices,
+                             network.curves[at(segment.curve)].sharp});
   return result;
 }
 

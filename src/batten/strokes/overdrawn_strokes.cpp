@@ -61,7 +61,7 @@ class OverdrawRemover {
     result.curves.clear();
     for (size_t c = 0; c < network_.curves.size(); ++c) {
       const NetworkCurve& curve = network_.curves[c];
-      NetworkCurve piece{curve.name, curve.boundary, {}};
+      NetworkCurve piece{curve.name, curve.boundary, {}, curve.sharp};
       for (int e = first_[c]; e < first_[c + 1]; ++e) {
         const size_t k = at(e - first_[c]);
         if (dropped_[at(e)]) {

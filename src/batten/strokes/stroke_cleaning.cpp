@@ -208,8 +208,8 @@ CurveNetwork without_tails(const CurveNetwork& network, CleanedStrokes& result,
   std::vector<NetworkCurve> curves;
   for (size_t s = 0; s < segments.size(); ++s)
     if (open.is_kept(static_cast<int>(s)))
-      curves.push_back(
-          {pieces.curves[at(segments[s].curve)].name, segments[s].boundary, segments[s].vertices});
+      curves.push_back({pieces.curves[at(segments[s].curve)].name, segments[s].boundary, segments[s].vertices,
+                        pieces.curves[at(segments[s].curve)].sharp});
   pieces.curves = std::move(curves);
   return compacted(std::move(pieces));
 }
@@ -286,7 +286,10 @@ CurveNetwork joined_curves(const CurveNetwork& network) {
     if (half_edges.size() == 2 && half_edges[0] / 2 != half_edges[1] / 2 &&
         tagged.count(topology.nodes[at(node)]) == 0) {
       const int next = half_edges[0] == (half_edge ^ 1) ? half_edges[1] : half_edges[0];
-      return segments[at(next / 2)].boundary == segments[at(half_edge / 2)].boundary ? next : -1;
+      const NetworkSegment &here = segments[at(half_edge / 2)], &there = segments[at(next / 2)];
+      const bool same_kind = here.boundary == there.boundary &&
+                             network.curves[at(here.curve)].sharp == network.curves[at(there.curve)].sharp;
+      return same_kind ? next : -1;
     }
     const int beside =
         half_edge % 2 == 0 ? half_edge + 2 : half_edge - 2;  // segments of a curve follow each other
@@ -301,7 +304,8 @@ CurveNetwork joined_curves(const CurveNetwork& network) {
   std::vector<char> taken(segments.size(), 0);
   const auto walk = [&](int half_edge) {
     const NetworkSegment& first = segments[at(half_edge / 2)];
-    NetworkCurve curve{network.curves[at(first.curve)].name, first.boundary, {}};
+    NetworkCurve curve{
+        network.curves[at(first.curve)].name, first.boundary, {}, network.curves[at(first.curve)].sharp};
     for (; half_edge >= 0 && !taken[at(half_edge / 2)]; half_edge = following(half_edge)) {
       taken[at(half_edge / 2)] = 1;
       std::vector<int> vertices = segments[at(half_edge / 2)].vertices;

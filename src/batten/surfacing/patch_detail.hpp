@@ -49,6 +49,8 @@ PatchMesh mesh_patch_in_space(const ScaledNetwork& network, const NetworkCycle& 
 /// Patches with the same two network vertices on their borders may both have an edge straight between them,
 /// which would then have more than two triangles. Such edges, and those beside an edge of a curve, get a
 /// vertex in their middle in every patch but the first. Edges along loops stay.
-void split_shared_inner_edges(std::vector<PatchMesh>& patches, const std::vector<NetworkCycle>& cycles);
+/// @param place vertices that will be welded: to what, for each of the network; empty: none will.
+void split_shared_inner_edges(std::vector<PatchMesh>& patches, const std::vector<NetworkCycle>& cycles,
+                              const std::vector<int>& place = {});
 
 }  // namespace batten::detail

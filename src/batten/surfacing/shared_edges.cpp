@@ -42,8 +42,15 @@ void split_edge(PatchMesh& mesh, Eigen::Index f, int k) {
 
 }  // namespace
 
-void split_shared_inner_edges(std::vector<PatchMesh>& patches, const std::vector<NetworkCycle>& cycles) {
-  const auto ordered = [](int a, int b) { return std::pair(std::min(a, b), std::max(a, b)); };
+void split_shared_inner_edges(std::vector<PatchMesh>& patches, const std::vector<NetworkCycle>& cycles,
+                              const std::vector<int>& place) {
+  const auto ordered = [&](int a, int b) {
+    if (!place.empty()) {
+      a = place[static_cast<std::size_t>(a)];
+      b = place[static_cast<std::size_t>(b)];
+    }
+    return std::pair(std::min(a, b), std::max(a, b));
+  };
   std::set<std::pair<int, int>> taken;  // network edges, and inner edges of the patches before
   for (const NetworkCycle& cycle : cycles)
     for (const NetworkCycle::Loop& loop : cycle.loops)

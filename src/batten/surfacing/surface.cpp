@@ -1,6 +1,7 @@
 #include "batten/surfacing/surface.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -14,6 +15,7 @@
 #include "batten/surfacing/patch_detail.hpp"
 #include "batten/surfacing/surface_input_detail.hpp"
 #include "batten/surfacing/surface_move_detail.hpp"
+#include "batten/surfacing/welded_sides_detail.hpp"
 
 namespace batten {
 
@@ -65,6 +67,10 @@ struct SurfaceSolver::Implementation {
   std::vector<char> border;
   Points positions, normals;  ///< of all vertices, in diameters; normals propagated
   bool metric_from_layout = true;
+  CurveNetwork uncut;  ///< where `network` was cut open along sharp curves: as it came, and its patches
+  std::vector<NetworkCycle> uncut_cycles;
+  std::vector<int> place;  ///< of the vertices of `network` in `uncut`; empty where nothing was cut
+  detail::WeldedSides sides;
   bool cycles_are_given = false;  ///< found from curves alone, so that one that cannot be filled may be wrong
 
   void build(const Progress& progress) {
@@ -78,7 +84,12 @@ struct SurfaceSolver::Implementation {
         CycleReport report = find_cycles(network);
         cycles = std::move(report.cycles);
         result.warnings = std::move(report.warnings);
+        for (const SharpFinding& finding : find_sharp_curves(network, cycles)) {
+          network.curves[at(finding.curve)].sharp = true;
+          result.warnings.push_back(finding.sentence);
+        }
       }
+      cut_open();
       if (const int crowded = detail::calm_crowded_normals(network, scaled_network); crowded > 0)
         result.warnings.push_back(
             concat(crowded,
@@ -107,6 +118,20 @@ struct SurfaceSolver::Implementation {
       }
     }
     finish();
+  }
+
+  /// Along sharp curves the sides are filled apart; finish() welds them.
+  void cut_open() {
+    if (std::none_of(network.curves.begin(), network.curves.end(),
+                     [](const NetworkCurve& curve) { return curve.sharp && !curve.boundary; }))
+      return;
+    uncut_cycles = cycles;
+    SharpSplit split = split_at_sharp_curves(network, cycles);
+    sides = detail::WeldedSides(split, network.positions.rows());
+    place = split.place;
+    uncut = std::exchange(network, std::move(split.network));
+    cycles = std::move(split.cycles);
+    scaled_network = detail::scaled_network(network);
   }
 
   void check_size() const {
@@ -153,7 +178,7 @@ struct SurfaceSolver::Implementation {
       if (!warning.empty()) warnings.push_back(warning);
       result.patches_in_space += in_space[p];
     }
-    detail::split_shared_inner_edges(patches, cycles);
+    detail::split_shared_inner_edges(patches, cycles, place);
     for (const PatchMesh& patch : patches) {
       n += patch.n_inner;
       m += patch.triangles.rows();
@@ -355,6 +380,7 @@ struct SurfaceSolver::Implementation {
     if (!options.soft_constraints)
       result.mesh.positions.topRows(network.positions.rows()) = network.positions;
     result.mesh.normals = normals;
+    sides.weld(result);
   }
 
   void take_soundness(const Soundness& s) {
@@ -372,16 +398,21 @@ struct SurfaceSolver::Implementation {
 
   SurfaceMove move(const Points& moved_positions, const Points& moved_normals,
                    const SurfaceMoveOptions& move_options) {
-    const Index n = network.positions.rows();
+    const CurveNetwork& whole = sides.any() ? uncut : network;
+    const Index n = whole.positions.rows();
     if (moved_positions.rows() != n || moved_normals.rows() != n)
       throw InvalidInput(concat("moving a network of ", n,
                                 " vertices needs as many positions and normals, got ", moved_positions.rows(),
                                 " and ", moved_normals.rows()));
     if (!moved_positions.allFinite() || !moved_normals.allFinite())
       throw InvalidInput("a moved vertex has a coordinate that is not a number");
-    CurveNetwork moved = network;
+    CurveNetwork moved = whole;
     moved.positions = moved_positions;
     moved.normals = moved_normals;
+    if (sides.any()) {
+      uncut = moved;
+      moved = split_at_sharp_curves(uncut, uncut_cycles).network;
+    }
     ScaledNetwork scaled = scaled_network;
     detail::rescale_network(moved, scaled);
     detail::calm_crowded_normals(moved, scaled);
@@ -391,19 +422,23 @@ struct SurfaceSolver::Implementation {
     const detail::MovedVertices changed = mover->move(scaled.positions, scaled.normals, move_options);
     network = std::move(moved);
     const auto moved_by = [&](Index v) -> RowVector3d {
-      if (v < n && !options.soft_constraints) return network.positions.row(v);
+      if (v < network.positions.rows() && !options.soft_constraints) return network.positions.row(v);
       return mover->positions().row(v) * scaled_network.diameter + scaled_network.centre;
     };
     SurfaceMove report;
     report.patches_solved = changed.parts_solved;
-    for (const int v : changed.vertices) {
-      if (const RowVector3d p = moved_by(v); p != result.mesh.positions.row(v)) {
-        result.mesh.positions.row(v) = p;
-        detail::append(report.positions, v);
+    std::vector<std::array<int, 2>> rows;  // welded, and before
+    for (const int v : changed.vertices) rows.push_back({sides.row(v), v});
+    if (sides.any()) std::sort(rows.begin(), rows.end());
+    for (const auto& [row, v] : rows) {
+      if (const RowVector3d p = moved_by(v); p != result.mesh.positions.row(row)) {
+        result.mesh.positions.row(row) = p;
+        detail::append(report.positions, row);
       }
-      if (!move_options.positions_only && mover->normals().row(v) != result.mesh.normals.row(v)) {
-        result.mesh.normals.row(v) = mover->normals().row(v);
-        detail::append(report.normals, v);
+      if (move_options.positions_only) continue;
+      if (const RowVector3d N = sides.normal(row, mover->normals()); N != result.mesh.normals.row(row)) {
+        result.mesh.normals.row(row) = N;
+        detail::append(report.normals, row);
       }
     }
     if (!move_options.positions_only) take_soundness(mover->soundness());
