@@ -28,7 +28,8 @@ Outcome run_surface(const Arguments& arguments, const Context& context) {
   }
   // Not by curves_surface(): the network of the strokes is reported and written even where filling it fails.
   if (curves.has_normals()) {
-    report_surface(arguments.surface, network_surface(curves, options, context.progress), curves, context,
+    const CurveNetwork network = run_mending(arguments.strokes, curves, outcome);
+    report_surface(arguments.surface, network_surface(network, options, context.progress), network, context,
                    outcome);
   } else {
     const StrokeNetwork strokes = run_strokes(arguments.strokes, curves, context, outcome);

@@ -5,6 +5,7 @@
 #include "batten/core/units.hpp"
 #include "batten/io/network_io.hpp"
 #include "batten/mesh/triangle_mesh.hpp"
+#include "batten/strokes/mended_network.hpp"
 
 namespace batten::cli {
 
@@ -56,10 +57,28 @@ void report_strokes(const StrokeNetwork& made, Outcome& outcome) {
   outcome.times.add(made.times);
 }
 
+CurveNetwork run_mending(const StrokeArguments& arguments, const CurveNetwork& curves, Outcome& outcome) {
+  MendingOptions options;
+  options.weld_tolerance = stroke_options(arguments, bounding_box_diagonal(curves.positions)).weld_tolerance;
+  if (arguments.weld != "auto" && options.weld_tolerance == 0) return curves;
+  MendedNetwork mended = mended_network(curves, options);
+  Json& figures = outcome.figures;
+  figures["welded_vertices"] = mended.weld.n_merged_vertices + mended.weld.n_inserted_nodes;
+  figures["overdrawn"] = mended.n_doubled;
+  figures["left_out"] = mended.n_left_out;
+  figures["weld_tolerance"] = mended.weld_tolerance * bounding_box_diagonal(curves.positions);
+  outcome.warnings.insert(outcome.warnings.end(), mended.warnings.begin(), mended.warnings.end());
+  if (!arguments.network.empty()) write_network(arguments.network, mended.network);
+  return std::move(mended.network);
+}
+
 StrokeNetwork run_strokes(const StrokeArguments& arguments, const CurveNetwork& strokes,
                           const Context& context, Outcome& outcome) {
   if (!arguments.network.empty()) network_format(arguments.network);  // before any work is done
   const StrokeNetworkOptions options = stroke_options(arguments, bounding_box_diagonal(strokes.positions));
+  if (arguments.weld != "auto" && options.weld_tolerance == 0)
+    throw InvalidInput(
+        "--weld 0 takes networks with normals as they are; strokes without normals must be welded");
   StrokeNetwork result = stroke_network(strokes, options, context.progress);
   report_strokes(result, outcome);
   Json diagnosis = Json::array();
@@ -86,8 +105,9 @@ void add_stroke_options(CLI::App& command, StrokeArguments& arguments) {
   command
       .add_option(
           "--weld", arguments.weld,
-          "Without normals: strokes this near meet (0.5%, 2mm, 0.01); auto: what gives the simplest surface")
-      ->check(length("--weld", "auto", false));
+          "Curves this near meet (0.5%, 2mm, 0.01); auto: what gives the simplest surface; 0: networks with "
+          "normals are taken as they are")
+      ->check(length("--weld", "auto", true));
   command.add_option("--reach", arguments.reach, "Without normals: ends are extended to a stroke this near")
       ->check(length("--reach", "none", true));
   command
@@ -95,7 +115,7 @@ void add_stroke_options(CLI::App& command, StrokeArguments& arguments) {
                   "Without normals: distance of samples on the cleaned curves, or none for those of the file")
       ->check(length("--step", "none", false));
   command.add_option("--write-network", arguments.network,
-                     "Without normals: write the network that the sketch became: .net, .obj or .json");
+                     "Write the network that the sketch, or the mended network, became: .net, .obj or .json");
 }
 
 }  // namespace batten::cli

@@ -13,7 +13,7 @@ struct StrokeArguments {
   std::string weld = "auto", reach = "3%", step = "1.5%", network;
 };
 
-/// Adds the options; they apply to networks without normals only.
+/// Adds the options; all but --weld apply to networks without normals only.
 void add_stroke_options(CLI::App& command, StrokeArguments& arguments);
 
 /// @param diameter of the strokes. @throws InvalidInput on values that do not parse.
@@ -22,6 +22,9 @@ StrokeNetworkOptions stroke_options(const StrokeArguments& arguments, double dia
 /// Adds what the strokes amount to: counts of strokes, dangling ends, near misses and of what was mended, a
 /// line of them, warnings and times.
 void report_strokes(const StrokeNetwork& strokes, Outcome& outcome);
+
+/// Mends a network with normals and reports it: counts, warnings. `--weld 0` leaves it as it is.
+CurveNetwork run_mending(const StrokeArguments& arguments, const CurveNetwork& curves, Outcome& outcome);
 
 /// Makes a network of strokes, reports it with its diagnosis, and writes it where `network` is not empty.
 StrokeNetwork run_strokes(const StrokeArguments& arguments, const CurveNetwork& strokes,

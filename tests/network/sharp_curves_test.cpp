@@ -40,7 +40,7 @@ TEST(SharpCurves, SidesOfARimHaveTheNormalsOfCapAndWall) {
     for (const int v : loop) {
       const Vector3d p = split.network.positions.row(v);
       const Vector3d expected = is_cap ? Vector3d(0, 0, p.z() - 1) : Vector3d(p.x(), p.y(), 0);
-      EXPECT_LT((split.network.normals.row(v).transpose() - expected).norm(), 5e-3) << p.transpose();
+      EXPECT_LT((split.network.normals.row(v).transpose() - expected).norm(), 5e-4) << p.transpose();
     }
   }
   EXPECT_EQ(caps, 2);

@@ -58,7 +58,9 @@ std::vector<Vector3d> calm_references(const SharpChain& chain) {
   for (int k = 0; k < n; ++k) {
     if (!chain.is_node[at(k)]) continue;
     const Vector3d *b = inner(k - 1), *bb = inner(k - 2), *a = inner(k + 1), *aa = inner(k + 2);
-    if (b != nullptr && a != nullptr)
+    if (b != nullptr && a != nullptr && bb != nullptr && aa != nullptr)
+      references[at(k)] = 4 * (*b + *a) - (*bb + *aa);  // of fourth order in the step
+    else if (b != nullptr && a != nullptr)
       references[at(k)] = *b + *a;
     else if (b != nullptr)
       references[at(k)] = bb != nullptr ? Vector3d(2 * *b - *bb) : *b;

@@ -24,7 +24,7 @@ using Eigen::Vector3d;
 /// Two curves span a plane at a node where the sine of their angle is above this.
 constexpr double kLeastSine = 0.17;
 /// Samples of a curve from which its normal is carried on to its end.
-constexpr std::size_t kSamples = 6;
+constexpr std::size_t kNormalSamples = 6;
 
 std::pair<int, int> edge_between(int a, int b) {
   return std::minmax(a, b);
@@ -113,7 +113,7 @@ class PatchCorners {
     std::vector<Vector3d> normals;
     Vector3d before = point(vertex(corner));
     double arc = 0;
-    for (const int v : walk(corner, forwards, kSamples)) {
+    for (const int v : walk(corner, forwards, kNormalSamples)) {
       arc += (point(v) - before).norm();
       before = point(v);
       if (on_sharp(v)) break;

@@ -7,6 +7,7 @@
 #include "batten/core/index.hpp"
 #include "batten/core/text.hpp"
 #include "batten/mesh/self_intersections.hpp"
+#include "batten/strokes/mended_network.hpp"
 
 namespace batten {
 
@@ -102,8 +103,13 @@ CurvesSurface curves_surface(const CurveNetwork& curves, const StrokeNetworkOpti
                              const NetworkSurfaceOptions& options, const Progress& progress) {
   CurvesSurface result;
   if (curves.has_normals()) {
-    result.network = curves;
-    result.surface = network_surface(curves, options, progress);
+    MendingOptions mending;
+    mending.weld_tolerance = strokes.weld_tolerance;
+    MendedNetwork mended = mended_network(curves, mending);
+    result.network = std::move(mended.network);
+    result.surface = network_surface(result.network, options, progress);
+    result.surface.warnings.insert(result.surface.warnings.begin(), mended.warnings.begin(),
+                                   mended.warnings.end());
     return result;
   }
   result.strokes = stroke_network(curves, strokes, progress);

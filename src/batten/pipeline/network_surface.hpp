@@ -70,8 +70,8 @@ struct CurvesSurface {
   NetworkSurface surface;
 };
 
-/// The surface of any curves: a network with normals is filled as it is; a stroke set without normals becomes
-/// a network with patches and normals first. @throws InvalidInput, SolverFailure, Cancelled.
+/// The surface of any curves: a network with normals is mended (mended_network()) and filled; a stroke set
+/// becomes a network with patches and normals first. @throws InvalidInput, SolverFailure, Cancelled.
 CurvesSurface curves_surface(const CurveNetwork& curves, const StrokeNetworkOptions& strokes = {},
                              const NetworkSurfaceOptions& options = {}, const Progress& progress = {});
 

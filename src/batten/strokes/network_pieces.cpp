@@ -19,15 +19,18 @@ std::string coordinates(const Eigen::Vector3d& p) {
 
 CurveNetwork compacted(CurveNetwork network) {
   std::vector<int> number(at(static_cast<int>(network.positions.rows())), -1);
+  const bool has_normals = network.has_normals();
   for (const NetworkCurve& curve : network.curves)
     for (const int v : curve.vertices) number[at(v)] = 0;
   int n = 0;
   for (size_t v = 0; v < number.size(); ++v)
     if (number[v] == 0) {
       number[v] = n;
+      if (has_normals) network.normals.row(n) = network.normals.row(static_cast<Eigen::Index>(v)).eval();
       network.positions.row(n++) = network.positions.row(static_cast<Eigen::Index>(v)).eval();
     }
   network.positions.conservativeResize(n, 3);
+  if (has_normals) network.normals.conservativeResize(n, 3);
   for (NetworkCurve& curve : network.curves)
     for (int& v : curve.vertices) v = number[at(v)];
   std::vector<int> tagged;
