@@ -1,5 +1,7 @@
 #include "batten/core/units.hpp"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "batten/core/error.hpp"
@@ -32,6 +34,18 @@ TEST(Units, AnglesAndFractions) {
   EXPECT_DOUBLE_EQ(parse_angle("0.5rad"), 0.5);
   EXPECT_DOUBLE_EQ(parse_fraction("0.3%"), 0.003);
   EXPECT_DOUBLE_EQ(parse_fraction("0.25"), 0.25);
+}
+
+// A gram-force is 9.80665 mN by definition; 9.81 is that to three digits.
+TEST(Units, UsualGravityIsTheStandardOneRounded) {
+  EXPECT_EQ(kStandardGravity, 9.80665);
+  EXPECT_EQ(kUsualGravity, std::round(100 * kStandardGravity) / 100);
+}
+
+TEST(Units, KindsOfLengthHaveTheirWords) {
+  EXPECT_EQ(word_of(parse_length("2mm").kind), "metres");
+  EXPECT_EQ(word_of(parse_length("2%").kind), "relative");
+  EXPECT_EQ(parse_choice<Length::Kind>("plain"), parse_length("2").kind);
 }
 
 TEST(Units, SaysWhatWouldHaveBeenRight) {

@@ -161,7 +161,7 @@ LogScan scan_from_recording(const DecodedRecording& decoded, const std::optional
   }
   // The vectors that a device with this orientation would measure lead back to it exactly.
   SensorLog log = decoded.log;
-  const Eigen::Vector3d up(0, 0, 9.81);
+  const Eigen::Vector3d up(0, 0, kUsualGravity);
   const Eigen::Vector3d field = 48 * Eigen::Vector3d(std::cos(kInclination), 0, -std::sin(kInclination));
   for (Eigen::Index i = 0; i < log.n_readings(); ++i) {
     const Eigen::Vector4d q = decoded.orientations.row(i);

@@ -7,6 +7,7 @@
 
 #include "batten/capture/morphorider.hpp"
 #include "batten/capture/recording.hpp"
+#include "batten/core/units.hpp"
 #include "batten/scan/calibration.hpp"
 #include "batten/scan/sensor_log.hpp"
 
@@ -18,8 +19,8 @@ struct DecodeOptions {
   std::optional<PacketForm> form;  ///< of a Morphorider's packets; nothing: recognised
   /// What a full scale of the Morphorider's sensors stands for. S does not say; directions do not depend on
   /// it.
-  double accelerometer_range = 2 * 9.81;  ///< m/s²
-  double magnetometer_range = 130;        ///< µT
+  double accelerometer_range = 2 * kUsualGravity;  ///< m/s²
+  double magnetometer_range = 130;                 ///< µT
 
   /// The first problem found, naming field and value, or nothing.
   std::optional<std::string> problem() const;

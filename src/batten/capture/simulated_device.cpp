@@ -28,7 +28,7 @@ constexpr double kAfter = 0.3;        // and after it
 constexpr double kTypingStep = 0.05;  // seconds between two digits
 constexpr std::int64_t kNever = std::int64_t{1} << 60;
 // Full scales of the sensors: those of DecodeOptions.
-constexpr double kAccelerometerRange = 2 * 9.81, kMagnetometerRange = 130;
+constexpr double kAccelerometerRange = 2 * kUsualGravity, kMagnetometerRange = 130;
 constexpr double kTransmission = 0.0019;  // 22 bytes at 115200 baud
 constexpr double kLateBy = 0.08;
 constexpr std::int64_t kMicroseconds = 1000000;

@@ -14,8 +14,6 @@ namespace batten {
 
 namespace {
 
-constexpr double kGravity = 9.80665;  ///< m/s², what makers of sensors call g
-
 struct Unit {
   LogQuantity quantity;
   const char* name;
@@ -27,8 +25,8 @@ constexpr Unit kUnits[] = {
     {LogQuantity::Time, "us", 1e-6},
     {LogQuantity::Time, "ns", 1e-9},
     {LogQuantity::Accelerometer, "m/s2", 1},
-    {LogQuantity::Accelerometer, "g", kGravity},
-    {LogQuantity::Accelerometer, "mg", 1e-3 * kGravity},
+    {LogQuantity::Accelerometer, "g", kStandardGravity},
+    {LogQuantity::Accelerometer, "mg", 1e-3 * kStandardGravity},
     {LogQuantity::Magnetometer, "uT", 1},
     {LogQuantity::Magnetometer, "nT", 1e-3},
     {LogQuantity::Magnetometer, "mT", 1e3},
@@ -301,7 +299,7 @@ void settle_units(LogColumns& columns, SensorLog& log) {
   };
   constexpr double kUsualStep = 0.014, kUsualField = 40;  // s, µT: in the middle of 1 … 200 and of 20 … 70
   settle(LogQuantity::Time, median_step(log), kUsualStep, [&](double factor) { log.time *= factor; });
-  settle(LogQuantity::Accelerometer, median_of(lengths_of(log.accelerometer)), kGravity,
+  settle(LogQuantity::Accelerometer, median_of(lengths_of(log.accelerometer)), kStandardGravity,
          [&](double factor) { log.accelerometer *= factor; });
   settle(LogQuantity::Magnetometer, median_of(lengths_of(log.magnetometer)), kUsualField,
          [&](double factor) { log.magnetometer *= factor; });
@@ -320,8 +318,8 @@ void settle_units(LogColumns& columns, SensorLog& log) {
 std::vector<std::string> log_oddities(const SensorLog& log) {
   std::vector<std::string> oddities;
   const double acceleration = median_of(lengths_of(log.accelerometer));
-  if (acceleration > 0 && (acceleration < 0.8 * kGravity || acceleration > 1.25 * kGravity)) {
-    const std::string unit = nearest_unit(LogQuantity::Accelerometer, acceleration, kGravity);
+  if (acceleration > 0 && (acceleration < 0.8 * kStandardGravity || acceleration > 1.25 * kStandardGravity)) {
+    const std::string unit = nearest_unit(LogQuantity::Accelerometer, acceleration, kStandardGravity);
     oddities.push_back(
         concat("the accelerations are ", acceleration, " m/s2 in the middle, where gravity alone is 9.81",
                unit == "m/s2" ? std::string("; calibrate the device (batten calibrate)")

@@ -25,8 +25,6 @@ constexpr double kReachCorrelation = 1.0;
 constexpr double kForceBiasDeviation = 0.05;
 /// Knots are this far apart, seconds: shorter steps changed nothing, far longer ones lose fast turns.
 constexpr double kKnotInterval = 0.05;
-/// Gravity where nothing else is known, m/s².
-constexpr double kStandardGravity = 9.81;
 /// Readings of a sensor that are farther apart than this, in seconds and in mean intervals, leave a gap.
 constexpr double kLongestGap = 0.25;
 constexpr double kLongestGapIntervals = 5;

@@ -100,7 +100,7 @@ double moving_share(const InertialRecording& recording, const Vector3d& bias) {
     if (recording.rate.known[row] == 0 || recording.force.known[row] == 0) continue;
     const double dt = recording.time[i + 1] - recording.time[i];
     const double rate = (recording.rate.values.row(i).transpose() - bias).norm();
-    const double force = std::abs(recording.force.values.row(i).norm() - kStandardGravity);
+    const double force = std::abs(recording.force.values.row(i).norm() - kUsualGravity);
     all += dt;
     if (rate > kMovingRate || force > kMovingForce) moving += dt;
   }

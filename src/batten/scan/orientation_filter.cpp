@@ -7,6 +7,7 @@
 
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
+#include "batten/core/units.hpp"
 #include "batten/rotation/so3.hpp"
 #include "batten/scan/field_detail.hpp"
 #include "batten/scan/motion_detail.hpp"
@@ -171,7 +172,7 @@ void OrientationFilter::State::predict() {
   P.diagonal().segment<3>(kTurn).array() += turn * turn * T + scale * scale;
   P.diagonal().segment<3>(kVelocity).array() += velocity * velocity * T;
   if (since.force_known)
-    v += X * since.v - Vector3d(0, 0, kStandardGravity * T);
+    v += X * since.v - Vector3d(0, 0, kUsualGravity * T);
   else
     v.setZero();
   X = nearest_rotation(X * since.R);

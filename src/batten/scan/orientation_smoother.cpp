@@ -293,11 +293,11 @@ void OrientationSmoother::assemble_step(int k) {
     rv += Vector3d(0, 0, gravity() * T) - a.X * m.v;
     va.middleCols<3>(kTurn) = a.X * hat(m.v);
     v_border.leftCols<InertialErrors::kCount>() = -a.X * m.v_by;
-    v_border(2, kGravity) = kStandardGravity * T;
+    v_border(2, kGravity) = kUsualGravity * T;
     rp += Vector3d(0, 0, 0.5 * gravity() * T * T) - a.X * m.p;
     pa.middleCols<3>(kTurn) = a.X * hat(m.p);
     p_border.leftCols<InertialErrors::kCount>() = -a.X * m.p_by;
-    p_border(2, kGravity) = 0.5 * kStandardGravity * T * T;
+    p_border(2, kGravity) = 0.5 * kUsualGravity * T * T;
   }
   // White noise of the force over T makes errors of velocity and place with covariance
   // [T, T²/2; T²/2, T³/3]: place less T/2 velocity is independent of velocity, with variance T³/12.

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 
 #include "batten/core/progress.hpp"
+#include "batten/core/units.hpp"
 #include "batten/scan/bordered_chain_detail.hpp"
 #include "batten/scan/field_detail.hpp"
 #include "batten/scan/motion_detail.hpp"
@@ -66,7 +67,7 @@ class OrientationSmoother {
   double velocity_deviation(int k) const;
   /// log of exp(r) = ΔRᵀ X_kᵀ X_{k+1}: what the gyroscope misses.
   Eigen::Vector3d turn_misfit(int k) const;
-  double gravity() const { return kStandardGravity * (1 + gravity_excess_); }
+  double gravity() const { return kUsualGravity * (1 + gravity_excess_); }
 
  private:
   using Chain = BorderedChain<9>;  ///< turn, velocity, place of a knot

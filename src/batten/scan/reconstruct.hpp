@@ -27,6 +27,12 @@ enum class WeightChoice {
   Given,   ///< ScanOptions::lambda and mu, lengths in sizes of the scan
 };
 
+constexpr auto choices_of(WeightChoice) {
+  return choices<WeightChoice>(
+      "choice of weights",
+      {{WeightChoice::Auto, "auto"}, {WeightChoice::Thesis, "thesis"}, {WeightChoice::Given, "given"}});
+}
+
 /// How positions are integrated.
 enum class IntegrationScheme {
   Midpoint,  ///< turning frames (StepRule::ConstantRate), first-difference form: second order, O(N)

@@ -5,7 +5,6 @@
 #include "batten/session/json_fields_detail.hpp"
 #include "batten/session/request_fields_detail.hpp"
 #include "batten/session/request_json_detail.hpp"
-#include "batten/session/request_words_detail.hpp"
 
 namespace batten::detail {
 
@@ -24,15 +23,6 @@ constexpr bool kIsVector = false;
 template <typename T>
 constexpr bool kIsVector<std::vector<T>> = true;
 
-/// The words of an enumeration: those beside it, or ours.
-template <typename Enum>
-constexpr auto table_of(Enum value) {
-  if constexpr (requires { choices_of(value); })
-    return choices_of(value);
-  else
-    return journal_choices_of(value);
-}
-
 class Writer {
  public:
   template <typename T>
@@ -46,7 +36,7 @@ class Writer {
     if constexpr (std::is_same_v<T, bool>) {
       return Json(value);
     } else if constexpr (std::is_enum_v<T>) {
-      return Json(table_of(value).word(value));
+      return Json(choices_of(value).word(value));
     } else if constexpr (std::is_arithmetic_v<T>) {
       return Json(static_cast<double>(value));
     } else if constexpr (std::is_same_v<T, std::string>) {
@@ -90,7 +80,7 @@ class Reader {
     if constexpr (std::is_same_v<T, bool>) {
       value = fields_.flag_of(json, name);
     } else if constexpr (std::is_enum_v<T>) {
-      value = word(json, name, table_of(value));
+      value = word(json, name, choices_of(value));
     } else if constexpr (std::is_floating_point_v<T>) {
       value = fields_.number_of(json, name);
     } else if constexpr (std::is_arithmetic_v<T>) {

@@ -35,7 +35,6 @@ constexpr double kGyroscopeDensity = 8.7e-4;  // rad/s/√Hz: 0.05 °/s/√Hz
 constexpr double kGyroscopeBias = 8.7e-3;     // rad/s: 0.5 °/s
 constexpr double kGyroscopeScale = 0.01;
 constexpr double kAccelerometerNoise = 0.02;  // m/s² per reading
-constexpr double kGravity = 9.81;
 
 // Streams of random numbers.
 constexpr std::uint64_t kClock = 201, kNoise = 202, kHandStream = 203, kFalse = 204, kSun = 205, kOrder = 206,
@@ -301,7 +300,7 @@ void read_inertial(const Scene& scene, BlobRecording& recording) {
     const Eigen::Vector3d acceleration =
         (scene.motion.at(time - e).tip - 2 * pose.tip + scene.motion.at(time + e).tip) / (e * e);
     // Down is +y of an upright rig; at rest the sensor feels what holds it, upwards.
-    const Eigen::Vector3d force = X.transpose() * (acceleration - Eigen::Vector3d(0, kGravity, 0));
+    const Eigen::Vector3d force = X.transpose() * (acceleration - Eigen::Vector3d(0, kUsualGravity, 0));
     PenInertialReading reading;
     reading.time = time;
     reading.gyroscope =

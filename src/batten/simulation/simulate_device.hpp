@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 
+#include "batten/core/units.hpp"
 #include "batten/scan/sensor_log.hpp"
 #include "batten/simulation/simulate.hpp"
 
@@ -11,7 +12,7 @@ namespace batten {
 /// A simulated inertial device and the place where it is used.
 struct DeviceModel {
   DeviceAxes axes;
-  double gravity = 9.81;                    ///< m/s²
+  double gravity = kUsualGravity;           ///< m/s²
   double field_strength = 48;               ///< µT
   double inclination = 1.0471975511965976;  ///< below the horizon, radians; 60° as in Grenoble (S 3.4.2)
   /// raw = distortion · true + offset, in device axes.
