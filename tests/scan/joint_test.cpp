@@ -188,11 +188,5 @@ TEST(EstimateJointly, CanBeCancelledAtEveryReport) {
   }
 }
 
-TEST(EstimateJointly, RefusesAScanWithoutSize) {
-  JointOptions options = options_of(AnalyticShape::Sphere);
-  options.size = 0;
-  EXPECT_THROW(estimate_jointly(noisy_samples(AnalyticShape::Sphere), options), InvalidInput);
-}
-
 }  // namespace
 }  // namespace batten

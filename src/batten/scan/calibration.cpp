@@ -319,8 +319,17 @@ double checked_uncertainty(const Matrix9d& normal_matrix, double variance, doubl
 
 }  // namespace
 
+std::optional<std::string> EllipsoidFitOptions::problem() const {
+  if (!(smallest_coverage >= 0 && smallest_coverage <= 1))
+    return concat("smallest_coverage must be in [0, 1], got ", smallest_coverage);
+  if (!(largest_uncertainty > 0)) return concat("largest_uncertainty must be > 0, got ", largest_uncertainty);
+  if (max_iterations < 1) return concat("max_iterations must be at least 1, got ", max_iterations);
+  return std::nullopt;
+}
+
 SensorCalibration fit_ellipsoid(const Points& readings, EllipsoidFitReport& report,
                                 const EllipsoidFitOptions& options) {
+  if (const auto problem = options.problem()) throw InvalidInput(*problem);
   const Points raw = finite_rows(readings);
   const Eigen::Index n = raw.rows();
   report = {};

@@ -1,4 +1,5 @@
 #pragma once
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -37,11 +38,14 @@ struct EllipsoidFitReport {
 
 /// Options of fit_ellipsoid().
 struct EllipsoidFitOptions {
-  /// Least coverage; below, the fit is refused. A slow tumble over all sides reaches 0.9 and more.
+  /// Least coverage, [0, 1]; below, the fit is refused. A slow tumble over all sides reaches 0.9 and more.
   double smallest_coverage = 0.5;
-  /// Largest uncertainty of the offset, in radii; above, the fit is refused.
+  /// Largest uncertainty of the offset, in radii, > 0; above, the fit is refused.
   double largest_uncertainty = 0.02;
   int max_iterations = 200;
+
+  /// The first problem found, naming field and value, or nothing.
+  std::optional<std::string> problem() const;
 };
 
 /// Fits the ellipsoid on which the raw readings of a field of constant strength lie (n × 3), by

@@ -151,6 +151,142 @@ int count_components(int n, const std::vector<Segment>& segments) {
   return components;
 }
 
+/// The steps of a scan as one linear system over its nodes and the free ends of its curves, which then places
+/// the samples between them.
+class StepIntegration {
+ public:
+  /// All must outlive this. @throws InvalidInput when the curves are not connected.
+  StepIntegration(const SampledScan& scan, const std::vector<Points>& steps, ClosureForm form)
+      : scan_(scan),
+        steps_(steps),
+        form_(form),
+        numbering_(number_vertices(scan)),
+        segments_(segments_of(scan, numbering_, steps)),
+        slot_(numbering_.n_vertices, -1),
+        range_of_curve_(scan.curves.size()) {
+    number_slots();
+    if (count_components(n_slots_, segments_) != 1)
+      throw InvalidInput("the curves are not connected: positions of separate parts cannot be observed");
+    right_ = Eigen::MatrixXd::Zero(n_slots_, 3);
+    for (size_t s = 0; s < segments_.size();) {
+      size_t end = s;
+      while (end < segments_.size() && segments_[end].curve == segments_[s].curve) ++end;
+      range_of_curve_[segments_[s].curve] = {s, end};
+      s = end;
+    }
+  }
+
+  IntegrationResult integrate() {
+    for (size_t c = 0; c < scan_.curves.size(); ++c) couple_curve(c);
+    solve_nodes();
+    IntegrationResult result;
+    result.positions.resize(numbering_.n_vertices, 3);
+    for (int v = 0; v < numbering_.n_vertices; ++v)
+      if (slot_[v] >= 0) result.positions.row(v) = nodes_.row(slot_[v]);
+    measure_closure(result);
+    parallel_for(static_cast<Eigen::Index>(scan_.curves.size()), 1,
+                 [&](Eigen::Index begin, Eigen::Index end) {
+                   for (Eigen::Index c = begin; c < end; ++c) place_samples(c, result.positions);
+                 });
+    const Eigen::RowVector3d origin = result.positions.row(0);
+    result.positions.rowwise() -= origin;
+    return result;
+  }
+
+ private:
+  /// Free ends of curves are vertices of the condensed system as well; numbers what it needs.
+  void number_slots() {
+    for (const Segment& segment : segments_)
+      for (const int vertex : {segment.from, segment.to})
+        if (slot_[vertex] < 0) slot_[vertex] = n_slots_++;
+    for (Segment& segment : segments_) segment.from = slot_[segment.from], segment.to = slot_[segment.to];
+  }
+
+  /// Adds k (x_to − x_from − Σd)_a · (x_to − x_from − Σd)_b.
+  void couple(const Segment& a, const Segment& b, double k) {
+    entries_.emplace_back(a.to, b.to, k);
+    entries_.emplace_back(a.from, b.from, k);
+    entries_.emplace_back(a.to, b.from, -k);
+    entries_.emplace_back(a.from, b.to, -k);
+    right_.row(a.to) += k * b.sum.transpose();
+    right_.row(a.from) -= k * b.sum.transpose();
+  }
+
+  void couple_curve(size_t c) {
+    const auto [first, last] = range_of_curve_[c];
+    if (form_ == ClosureForm::FirstDifference) {
+      for (size_t s = first; s < last; ++s) couple(segments_[s], segments_[s], 1 / segments_[s].length);
+      return;
+    }
+    bending_.emplace_back(scan_.curves[c], segments_, first, last);
+    const Eigen::MatrixXd K = bending_.back().stiffness();
+    for (size_t a = first; a < last; ++a)
+      for (size_t b = first; b < last; ++b)
+        couple(segments_[a], segments_[b],
+               K(static_cast<Eigen::Index>(a - first), static_cast<Eigen::Index>(b - first)));
+  }
+
+  /// The Laplacian over nodes and free ends. The first is held at the origin, or the matrix is singular.
+  void solve_nodes() {
+    nodes_ = Eigen::MatrixXd::Zero(n_slots_, 3);
+    if (n_slots_ <= 1) return;
+    std::vector<Eigen::Triplet<double>> free_entries;
+    for (const Eigen::Triplet<double>& entry : entries_)
+      if (entry.row() > 0 && entry.col() > 0)
+        free_entries.emplace_back(entry.row() - 1, entry.col() - 1, entry.value());
+    SparseMatrix L(n_slots_ - 1, n_slots_ - 1);
+    L.setFromTriplets(free_entries.begin(), free_entries.end());
+    SparseCholesky solver("positions of the nodes");
+    solver.factorize(L);
+    nodes_.bottomRows(n_slots_ - 1) = solver.solve(right_.bottomRows(n_slots_ - 1));
+  }
+
+  void measure_closure(IntegrationResult& result) const {
+    result.n_loops = static_cast<int>(segments_.size()) - n_slots_ + 1;
+    double squares = 0;
+    for (const Segment& s : segments_) {
+      const double misfit2 = (nodes_.row(s.to) - nodes_.row(s.from) - s.sum.transpose()).squaredNorm();
+      result.closure_energy += misfit2 / s.length;
+      squares += misfit2;
+    }
+    result.closure_misfit = std::sqrt(squares / static_cast<double>(segments_.size()));
+  }
+
+  /// The samples of a curve between its nodes: its steps, and its share of the misfits.
+  void place_samples(Eigen::Index c, Points& positions) const {
+    const SampledCurve& curve = scan_.curves[c];
+    const auto [first, last] = range_of_curve_[c];
+    Eigen::MatrixXd misfits(static_cast<Eigen::Index>(last - first), 3);
+    for (size_t s = first; s < last; ++s)
+      misfits.row(static_cast<Eigen::Index>(s - first)) =
+          nodes_.row(segments_[s].to) - nodes_.row(segments_[s].from) - segments_[s].sum.transpose();
+    Points strain(0, 3);
+    if (form_ == ClosureForm::SecondDifference) strain = bending_[c].strain(misfits);
+    for (size_t s = first; s < last; ++s) {
+      Eigen::RowVector3d x = nodes_.row(segments_[s].from);
+      const Eigen::RowVector3d rate = misfits.row(static_cast<Eigen::Index>(s - first)) / segments_[s].length;
+      for (int k = segments_[s].begin; k + 1 < segments_[s].end; ++k) {
+        const double h = curve.step(k);
+        x += steps_[c].row(k);
+        x += h * (strain.size() > 0 ? Eigen::RowVector3d(strain.row(k)) : rate);
+        positions.row(numbering_.vertices[c][k + 1]) = x;
+      }
+    }
+  }
+
+  const SampledScan& scan_;
+  const std::vector<Points>& steps_;
+  ClosureForm form_;
+  VertexNumbering numbering_;
+  std::vector<Segment> segments_;  ///< from and to are slots once these are numbered
+  std::vector<int> slot_;          ///< per vertex its unknown, or −1
+  int n_slots_ = 0;
+  std::vector<std::pair<size_t, size_t>> range_of_curve_;  ///< its segments
+  std::vector<CurveBending> bending_;                      ///< second differences: per curve
+  std::vector<Eigen::Triplet<double>> entries_;
+  Eigen::MatrixXd right_, nodes_;  ///< n_slots × 3
+};
+
 }  // namespace
 
 Eigen::Vector3d frame_step(const Eigen::Matrix3d& X, const Eigen::Matrix3d& Y, double h, StepRule rule) {
@@ -176,104 +312,7 @@ std::vector<Points> frame_steps(const SampledScan& scan, StepRule rule) {
 
 IntegrationResult integrate_steps(const SampledScan& scan, const std::vector<Points>& steps,
                                   ClosureForm form) {
-  const VertexNumbering numbering = number_vertices(scan);
-  const std::vector<Segment> segments = segments_of(scan, numbering, steps);
-  // Free ends of curves are vertices of the condensed system as well; number what it needs.
-  std::vector<int> slot(numbering.n_vertices, -1);
-  int n_slots = 0;
-  for (const Segment& segment : segments)
-    for (const int vertex : {segment.from, segment.to})
-      if (slot[vertex] < 0) slot[vertex] = n_slots++;
-  std::vector<Segment> condensed = segments;
-  for (Segment& segment : condensed) segment.from = slot[segment.from], segment.to = slot[segment.to];
-  if (count_components(n_slots, condensed) != 1)
-    throw InvalidInput("the curves are not connected: positions of separate parts cannot be observed");
-
-  // Laplacian over nodes and free ends. The first is held at the origin, or the matrix is singular.
-  std::vector<CurveBending> bending;
-  std::vector<Eigen::Triplet<double>> entries;
-  Eigen::MatrixXd right = Eigen::MatrixXd::Zero(n_slots, 3);
-  const auto couple = [&](const Segment& a, const Segment& b, double k) {
-    // k (x_to − x_from − Σd)_a · (x_to − x_from − Σd)_b
-    entries.emplace_back(a.to, b.to, k);
-    entries.emplace_back(a.from, b.from, k);
-    entries.emplace_back(a.to, b.from, -k);
-    entries.emplace_back(a.from, b.to, -k);
-    right.row(a.to) += k * b.sum.transpose();
-    right.row(a.from) -= k * b.sum.transpose();
-  };
-  std::vector<std::pair<size_t, size_t>> range_of_curve(scan.curves.size());
-  for (size_t s = 0; s < condensed.size();) {
-    size_t end = s;
-    while (end < condensed.size() && condensed[end].curve == condensed[s].curve) ++end;
-    range_of_curve[condensed[s].curve] = {s, end};
-    s = end;
-  }
-  for (size_t c = 0; c < scan.curves.size(); ++c) {
-    const auto [first, last] = range_of_curve[c];
-    if (form == ClosureForm::FirstDifference) {
-      for (size_t s = first; s < last; ++s) couple(condensed[s], condensed[s], 1 / condensed[s].length);
-      continue;
-    }
-    bending.emplace_back(scan.curves[c], condensed, first, last);
-    const Eigen::MatrixXd K = bending.back().stiffness();
-    for (size_t a = first; a < last; ++a)
-      for (size_t b = first; b < last; ++b)
-        couple(condensed[a], condensed[b],
-               K(static_cast<Eigen::Index>(a - first), static_cast<Eigen::Index>(b - first)));
-  }
-  Eigen::MatrixXd nodes = Eigen::MatrixXd::Zero(n_slots, 3);
-  if (n_slots > 1) {
-    std::vector<Eigen::Triplet<double>> free_entries;
-    for (const Eigen::Triplet<double>& entry : entries)
-      if (entry.row() > 0 && entry.col() > 0)
-        free_entries.emplace_back(entry.row() - 1, entry.col() - 1, entry.value());
-    SparseMatrix L(n_slots - 1, n_slots - 1);
-    L.setFromTriplets(free_entries.begin(), free_entries.end());
-    SparseCholesky solver("positions of the nodes");
-    solver.factorize(L);
-    nodes.bottomRows(n_slots - 1) = solver.solve(right.bottomRows(n_slots - 1));
-  }
-
-  IntegrationResult result;
-  result.n_loops = static_cast<int>(condensed.size()) - n_slots + 1;
-  result.positions.resize(numbering.n_vertices, 3);
-  for (int v = 0; v < numbering.n_vertices; ++v)
-    if (slot[v] >= 0) result.positions.row(v) = nodes.row(slot[v]);
-  double squares = 0;
-  for (const Segment& s : condensed) {
-    const double misfit2 = (nodes.row(s.to) - nodes.row(s.from) - s.sum.transpose()).squaredNorm();
-    result.closure_energy += misfit2 / s.length;
-    squares += misfit2;
-  }
-  result.closure_misfit = std::sqrt(squares / static_cast<double>(condensed.size()));
-
-  parallel_for(static_cast<Eigen::Index>(scan.curves.size()), 1, [&](Eigen::Index begin, Eigen::Index end) {
-    for (Eigen::Index c = begin; c < end; ++c) {
-      const SampledCurve& curve = scan.curves[c];
-      const auto [first, last] = range_of_curve[c];
-      Eigen::MatrixXd misfits(static_cast<Eigen::Index>(last - first), 3);
-      for (size_t s = first; s < last; ++s)
-        misfits.row(static_cast<Eigen::Index>(s - first)) =
-            nodes.row(condensed[s].to) - nodes.row(condensed[s].from) - condensed[s].sum.transpose();
-      Points strain(0, 3);
-      if (form == ClosureForm::SecondDifference) strain = bending[c].strain(misfits);
-      for (size_t s = first; s < last; ++s) {
-        Eigen::RowVector3d x = nodes.row(condensed[s].from);
-        const Eigen::RowVector3d rate =
-            misfits.row(static_cast<Eigen::Index>(s - first)) / condensed[s].length;
-        for (int k = condensed[s].begin; k + 1 < condensed[s].end; ++k) {
-          const double h = curve.step(k);
-          x += steps[c].row(k);
-          x += h * (strain.size() > 0 ? Eigen::RowVector3d(strain.row(k)) : rate);
-          result.positions.row(numbering.vertices[c][k + 1]) = x;
-        }
-      }
-    }
-  });
-  const Eigen::RowVector3d origin = result.positions.row(0);
-  result.positions.rowwise() -= origin;
-  return result;
+  return StepIntegration(scan, steps, form).integrate();
 }
 
 std::vector<Points> integrate_preview(const SampledScan& scan, StepRule rule) {

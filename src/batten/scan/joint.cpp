@@ -185,7 +185,7 @@ bool ignores_much(const JointEstimate& estimate) {
 
 JointEstimate estimate_jointly(const SampledScan& scan, const JointOptions& options,
                                const Progress& progress) {
-  if (!(options.size > 0)) throw InvalidInput(concat("the size of the scan must be > 0, got ", options.size));
+  if (const auto problem = options.problem()) throw InvalidInput(*problem);
   JointModel model(scan, options, progress);
   Attempt first = attempt(scan, options, JointStart::Smooth, model, progress);
   if (!options.robust || !ignores_much(first.estimate)) return first.estimate;

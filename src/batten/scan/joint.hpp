@@ -19,6 +19,10 @@ struct NoiseModel {
   /// scale: bending is small on spheres, jerk on gently waving objects, both are large where there are
   /// features.
   double stretch = 0, bending = 0, jerk = 0;
+
+  /// The first figure that is not above 0, in words, or nothing: what is given to estimate_jointly() must
+  /// have them all.
+  std::optional<std::string> problem() const;
 };
 
 /// Options of estimate_jointly().
@@ -34,6 +38,9 @@ struct JointOptions {
   std::optional<double> turn_density;
   double xi = 10000;   ///< agreement of the normals at nodes relative to the data, as in S (3.30)
   bool robust = true;  ///< samples far from the curve lose their say
+
+  /// The first problem found, naming field and value, or nothing.
+  std::optional<std::string> problem() const;
 };
 
 /// Frames, drift, length factors and positions that explain a scan best.

@@ -1,10 +1,34 @@
 #include <algorithm>
 #include <cmath>
 
+#include "batten/core/text.hpp"
 #include "batten/core/units.hpp"
 #include "batten/scan/noise_model_detail.hpp"
 
 namespace batten {
+
+std::optional<std::string> NoiseModel::problem() const {
+  const struct {
+    const char* name;
+    double value;
+  } figures[] = {{"white", white}, {"drift", drift},     {"drift_length", drift_length},
+                 {"scale", scale}, {"stretch", stretch}, {"bending", bending},
+                 {"jerk", jerk}};
+  for (const auto& [name, value] : figures)
+    if (!(value > 0) || !std::isfinite(value)) return concat(name, " must be > 0, got ", value);
+  return std::nullopt;
+}
+
+std::optional<std::string> JointOptions::problem() const {
+  const auto negative = [](double value) { return !(value >= 0) || !std::isfinite(value); };
+  if (!(size > 0) || !std::isfinite(size)) return concat("size must be > 0, got ", size);
+  if (negative(reading_noise)) return concat("reading_noise must be >= 0, got ", reading_noise);
+  if (negative(scale_deviation)) return concat("scale_deviation must be >= 0, got ", scale_deviation);
+  if (negative(xi)) return concat("xi must be >= 0, got ", xi);
+  if (noise)
+    if (const auto wrong = noise->problem()) return "noise." + *wrong;
+  return std::nullopt;
+}
 
 NoisePrior::NoisePrior(const JointOptions& options) {
   const double white =

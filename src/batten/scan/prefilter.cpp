@@ -310,8 +310,21 @@ constexpr double kSeamCorner = radians(25.0);
 
 }  // namespace
 
+std::optional<std::string> CleanOptions::problem() const {
+  if (!(outlier_cosine >= 0 && outlier_cosine <= 1))
+    return concat("outlier_cosine must be in [0, 1], got ", outlier_cosine);
+  return std::nullopt;
+}
+
+std::optional<std::string> PrefilterOptions::problem() const {
+  if (!(step >= 0) || !std::isfinite(step)) return concat("step must be >= 0, got ", step);
+  if (!(sigma > 0 && sigma <= 2)) return concat("sigma must be in (0, 2], got ", sigma);
+  return std::nullopt;
+}
+
 std::vector<CleanCurve> clean_readings(const Scan& scan, const CleanOptions& options,
                                        std::vector<std::string>& warnings, const Progress& progress) {
+  if (const auto problem = options.problem()) throw InvalidInput(*problem);
   std::vector<std::vector<Eigen::Matrix3d>> frames;
   std::vector<std::vector<char>> outlier;
   for (int c = 0; c < static_cast<int>(scan.curves.size()); ++c) {
@@ -400,6 +413,7 @@ double reading_noise(const std::vector<CleanCurve>& curves) {
 
 SampledScan resample(const Scan& scan, const std::vector<CleanCurve>& curves, const PrefilterOptions& options,
                      const Progress& progress) {
+  if (const auto problem = options.problem()) throw InvalidInput(*problem);
   SampledScan samples;
   for (size_t c = 0; c < curves.size(); ++c) {
     progress.report("prefilter", static_cast<double>(c) / static_cast<double>(curves.size()));

@@ -1,4 +1,5 @@
 #pragma once
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,11 +33,14 @@ struct CleanCurve {
 /// Options of clean_readings().
 struct CleanOptions {
   /// A reading whose quaternion has |q·q'| below this with both its neighbours is an outlier (S 3.5.3, with
-  /// docs/errata.md#s-3-5-3; 0.9 is a turn of 51.7°). 0 keeps all.
+  /// docs/errata.md#s-3-5-3; 0.9 is a turn of 51.7°), [0, 1]. 0 keeps all.
   double outlier_cosine = 0.9;
   /// Also remove short runs of such readings, and single ones that stand out of their surroundings by more
   /// than five standard deviations of the noise found in the scan (and 3°).
   bool robust = true;
+
+  /// The first problem found, naming field and value, or nothing.
+  std::optional<std::string> problem() const;
 };
 
 /// Puts the readings of every curve in order. A scan whose outliers by the thesis's rule exceed a quarter of
@@ -56,13 +60,16 @@ struct PrefilterOptions {
   /// Wanted distance between samples, in the unit of the scan; each segment between nodes takes the nearest
   /// step that divides it evenly (S 3.22 per segment). 0: the samples are the readings themselves.
   double step = 0;
-  /// Radius of the Gaussian as a part of the step, S 3.5.3: 0.2 … 0.5.
+  /// Radius of the Gaussian as a part of the step, S 3.5.3: 0.2 … 0.5; (0, 2].
   double sigma = 0.35;
   /// Fit frame and rate of turn in the window (local linear on SO(3)) instead of the plain average. Removes
   /// the bias at the ends of curves and between uneven readings; the thesis averages.
   bool local_linear = true;
   /// Let the window run on across the seam of closed curves.
   bool wrap = true;
+
+  /// The first problem found, naming field and value, or nothing.
+  std::optional<std::string> problem() const;
 };
 
 /// Resamples cleaned curves. Nodes are samples. Where a step holds fewer readings than the window needs, the

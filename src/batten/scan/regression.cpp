@@ -21,17 +21,6 @@ namespace batten {
 
 namespace {
 
-void check_weights(const RegressionOptions& options) {
-  const auto negative = [](const char* name, double value) {
-    if (!(value >= 0) || !std::isfinite(value))
-      throw InvalidInput(concat("the weight ", name, " must be >= 0, got ", value));
-  };
-  negative("lambda", options.lambda);
-  negative("mu", options.mu);
-  negative("xi", options.xi);
-  if (!(options.unit > 0)) throw InvalidInput(concat("the unit of length must be > 0, got ", options.unit));
-}
-
 void check_turns(const SampledScan& scan) {
   for (size_t c = 0; c < scan.curves.size(); ++c) {
     const SampledCurve& curve = scan.curves[c];
@@ -209,7 +198,7 @@ void FrameRegression::set_frames(const SampledScan& scan) {
 
 void FrameRegression::begin(const RegressionOptions& options, StageTimes& times) {
   const ScopedStage setup(times, "setup");
-  check_weights(options);
+  if (const auto problem = options.problem()) throw InvalidInput(*problem);
   if (options.mu > 0) check_turns(scan_);
   state_->energy.set_weights(options);
   state_->begin();
@@ -268,8 +257,20 @@ SampledScan FrameRegression::finish(bool converged, const StageTimes& times, Reg
   return smoothed;
 }
 
+std::optional<std::string> RegressionOptions::problem() const {
+  const auto negative = [](double value) { return !(value >= 0) || !std::isfinite(value); };
+  if (negative(lambda)) return concat("lambda must be >= 0, got ", lambda);
+  if (negative(mu)) return concat("mu must be >= 0, got ", mu);
+  if (negative(xi)) return concat("xi must be >= 0, got ", xi);
+  if (!(unit > 0) || !std::isfinite(unit)) return concat("unit must be > 0, got ", unit);
+  if (max_iterations < 0) return concat("max_iterations must be >= 0, got ", max_iterations);
+  if (negative(tolerance)) return concat("tolerance must be >= 0, got ", tolerance);
+  return std::nullopt;
+}
+
 RegressionReport regression_energy(const SampledScan& scan, const SampledScan& frames,
                                    const RegressionOptions& options, double robust_scale) {
+  if (const auto problem = options.problem()) throw InvalidInput(*problem);
   FrameEnergy energy(scan);
   energy.set_weights(options);
   return energy.energies(energy.frames_of(frames), robust_scale);

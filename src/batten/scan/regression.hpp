@@ -1,5 +1,7 @@
 #pragma once
 #include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "batten/core/choices.hpp"
@@ -32,8 +34,11 @@ struct RegressionOptions {
   /// Geman–McClure loss on E_0 instead of the square: samples far off the curve lose their say. Its scale is
   /// six times the spread of the residuals (median).
   bool robust = false;
-  int max_iterations = 100;
+  int max_iterations = 100;  ///< ≥ 0
   double tolerance = 1e-10;  ///< stop when no frame turns by more, in radians
+
+  /// The first problem found, naming field and value, or nothing.
+  std::optional<std::string> problem() const;
 };
 
 /// What the regression reached. Energies without their weights, as printed in S (3.27) and (3.29).

@@ -158,7 +158,7 @@ class CurveBuilder {
   bool use_times_;
 };
 
-void check_log(const SensorLog& log, const LogScanOptions& options) {
+void check_log(const SensorLog& log) {
   const Eigen::Index n = log.n_readings();
   const auto rows = static_cast<size_t>(n);
   if (log.curve.size() != rows || log.node.size() != rows || log.distance.size() != n ||
@@ -169,9 +169,6 @@ void check_log(const SensorLog& log, const LogScanOptions& options) {
     throw InvalidInput("the sensor log has no accelerometer readings; orientations need them");
   if (log.magnetometer.array().isNaN().all())
     throw InvalidInput("the sensor log has no magnetometer readings; without them the heading is unknown");
-  if (options.inclination && !(std::abs(*options.inclination) < kPi / 2))
-    throw InvalidInput(
-        concat("the inclination must lie between -90 and 90 degrees, got ", degrees(*options.inclination)));
 }
 
 }  // namespace
@@ -197,8 +194,24 @@ void SensorLog::resize(Eigen::Index n) {
   node.resize(static_cast<size_t>(n), kNone);
 }
 
+std::optional<std::string> LogScanOptions::problem() const {
+  for (const SensorCalibration* sensor : {&calibration.accelerometer, &calibration.magnetometer})
+    if (!sensor->offset.allFinite() || !sensor->matrix.allFinite() || sensor->matrix.determinant() == 0)
+      return std::string(
+          "calibration must have finite offsets and matrices that can be inverted; calibrate the device "
+          "again");
+  if (inclination && !(std::abs(*inclination) < kPi / 2))
+    return concat("inclination must lie between -90 and 90 degrees, got ", degrees(*inclination));
+  if (!(accelerometer_weight > 0) || !std::isfinite(accelerometer_weight))
+    return concat("accelerometer_weight must be > 0, got ", accelerometer_weight);
+  if (!(magnetometer_weight > 0) || !std::isfinite(magnetometer_weight))
+    return concat("magnetometer_weight must be > 0, got ", magnetometer_weight);
+  return std::nullopt;
+}
+
 LogScan scan_from_log(const SensorLog& log, const LogScanOptions& options) {
-  check_log(log, options);
+  if (const auto problem = options.problem()) throw InvalidInput(*problem);
+  check_log(log);
   LogScan result;
   std::vector<std::vector<Eigen::Index>> rows(log.curves.size());
   long n_on_curves = 0;

@@ -56,10 +56,13 @@ struct LogScanOptions {
   Calibration calibration;
   /// Inclination of the magnetic field below the horizon, radians; nothing: estimated from the readings.
   std::optional<double> inclination;
-  /// Weights α of (3.1). Lower the second where iron is near.
+  /// Weights α of (3.1), > 0. Lower the second where iron is near.
   double accelerometer_weight = 1;
   double magnetometer_weight = 1;
   WahbaMethod method = WahbaMethod::Quaternion;
+
+  /// The first problem found, naming field and value, or nothing.
+  std::optional<std::string> problem() const;
 };
 
 /// A scan from raw readings, and how it came about.
