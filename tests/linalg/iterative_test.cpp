@@ -107,6 +107,27 @@ TEST(Iterative, LsqrFindsTheLeastSquaresSolution) {
   EXPECT_LT((X - X_true).norm(), 1e-8);
 }
 
+TEST(Iterative, RefusesAToleranceThatNoSolveKeeps) {
+  const SparseMatrix A = fixtures::grid_laplacian(2, 1);
+  const Eigen::MatrixXd B = Eigen::MatrixXd::Ones(4, 1);
+  IterativeOptions options;
+  for (const double tolerance : {0.0, 1.0, -1.0, std::nan("")}) {
+    options.tolerance = tolerance;
+    ASSERT_TRUE(options.problem().has_value()) << tolerance;
+    EXPECT_EQ(options.problem()->find("tolerance must be in (0, 1), got "), 0U);
+    Eigen::MatrixXd X;
+    EXPECT_THROW(solve_conjugate_gradients(A, B, X, "test", options), InvalidInput);
+    EXPECT_THROW(solve_gmres(A, B, X, "test", options), InvalidInput);
+    EXPECT_THROW(solve_lsqr(A, B, X, "test", options), InvalidInput);
+    Eigen::VectorXd x;
+    const LinearOperator identity = [](const Eigen::VectorXd& in, Eigen::VectorXd& out) { out = in; };
+    EXPECT_THROW(solve_conjugate_gradients(identity, B.col(0), B.col(0), x, "test", options), InvalidInput);
+  }
+  options = {.max_iterations = -1};
+  EXPECT_EQ(options.problem(), "max_iterations must be at least 0, got -1");
+  EXPECT_EQ(IterativeOptions().problem(), std::nullopt);
+}
+
 TEST(Iterative, SaysWhenItDidNotConverge) {
   const SparseMatrix A = random_sparse(90, 40, 3);
   Eigen::MatrixXd X;

@@ -119,6 +119,18 @@ TEST(MeshVariation, DoesNotCountWhatIsLeftOut) {
                InvalidInput);
 }
 
+TEST(MeshVariation, NamesTheListThatDoesNotFitItsMesh) {
+  MeshVariationOptions options;
+  EXPECT_EQ(options.problem(4, 5), std::nullopt);
+  options.original_left_out.assign(4, 0);
+  options.left_out.assign(5, 0);
+  EXPECT_EQ(options.problem(4, 5), std::nullopt);
+  EXPECT_EQ(options.problem(4, 6),
+            "left_out must have an entry per vertex or none, got 5 entries for 6 vertices");
+  EXPECT_EQ(options.problem(3, 5),
+            "original_left_out must have an entry per vertex or none, got 4 entries for 3 vertices");
+}
+
 // Two triangles over the unit square, folded by 40° along their diagonal: its two ends, above 40° none.
 TEST(VerticesOnCreases, AreThoseOfEdgesThatTurnByMore) {
   TriangleMesh mesh = samples::square(2);

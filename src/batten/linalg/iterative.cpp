@@ -8,10 +8,15 @@
 
 #include "batten/core/error.hpp"
 #include "batten/core/parallel.hpp"
+#include "batten/core/text.hpp"
 
 namespace batten {
 
 namespace {
+
+void check_iterations(const IterativeOptions& options) {
+  if (const auto problem = options.problem()) throw InvalidInput(*problem);
+}
 
 int iteration_limit(const IterativeOptions& options, Eigen::Index unknowns) {
   return options.max_iterations > 0 ? options.max_iterations : static_cast<int>(2 * unknowns + 10);
@@ -91,10 +96,17 @@ IterativeReport solve_with_diagonal(const SparseMatrix& A, const Eigen::MatrixXd
 
 }  // namespace
 
+std::optional<std::string> IterativeOptions::problem() const {
+  if (!(tolerance > 0 && tolerance < 1)) return concat("tolerance must be in (0, 1), got ", tolerance);
+  if (max_iterations < 0) return concat("max_iterations must be at least 0, got ", max_iterations);
+  return std::nullopt;
+}
+
 IterativeReport solve_conjugate_gradients(const LinearOperator& A, const Eigen::VectorXd& diagonal,
                                           const Eigen::VectorXd& b, Eigen::VectorXd& x,
                                           std::string_view system, const IterativeOptions& options,
                                           const Progress& progress) {
+  check_iterations(options);
   const Eigen::Index n = b.size();
   if (diagonal.size() != n || !((diagonal.array() > 0).all())) throw SolverFailure(system, n);
   if (x.size() != n) x = Eigen::VectorXd::Zero(n);
@@ -143,6 +155,7 @@ IterativeReport solve_conjugate_gradients(const LinearOperator& A, const Eigen::
 IterativeReport solve_conjugate_gradients(const SparseMatrix& A, const Eigen::MatrixXd& B, Eigen::MatrixXd& X,
                                           std::string_view system, const IterativeOptions& options,
                                           const Progress& progress) {
+  check_iterations(options);
   if (options.preconditioner == Preconditioner::Diagonal)
     return solve_with_diagonal(A, B, X, system, options, progress);
   progress.report(system, 0);
@@ -153,6 +166,7 @@ IterativeReport solve_conjugate_gradients(const SparseMatrix& A, const Eigen::Ma
 
 IterativeReport solve_gmres(const SparseMatrix& A, const Eigen::MatrixXd& B, Eigen::MatrixXd& X,
                             std::string_view system, const IterativeOptions& options) {
+  check_iterations(options);
   Eigen::GMRES<SparseMatrix, Eigen::IncompleteLUT<double>> solver;
   solver.set_restart(50);
   return solve_columns(solver, A, B, X, system, options, true);
@@ -160,6 +174,7 @@ IterativeReport solve_gmres(const SparseMatrix& A, const Eigen::MatrixXd& B, Eig
 
 IterativeReport solve_lsqr(const SparseMatrix& A, const Eigen::MatrixXd& B, Eigen::MatrixXd& X,
                            std::string_view system, const IterativeOptions& options) {
+  check_iterations(options);
   IterativeReport report;
   report.converged = true;
   if (X.rows() != A.cols() || X.cols() != B.cols()) X = Eigen::MatrixXd::Zero(A.cols(), B.cols());

@@ -1,6 +1,8 @@
 #pragma once
 #include <algorithm>
 #include <functional>
+#include <optional>
+#include <string>
 #include <string_view>
 
 #include <Eigen/Core>
@@ -22,9 +24,12 @@ enum class Preconditioner {
 struct IterativeOptions {
   /// Stop when the residual is below this fraction of the right-hand side; (0, 1). H 1.5 uses 1e-6.
   double tolerance = 1e-6;
-  /// Most iterations; 0 takes twice the number of unknowns.
+  /// Most iterations, at least 0; 0 takes twice the number of unknowns.
   int max_iterations = 0;
   Preconditioner preconditioner = Preconditioner::IncompleteCholesky;  ///< of conjugate gradients
+
+  /// The first problem found, naming field and value, or nothing.
+  std::optional<std::string> problem() const;
 };
 
 /// What an iterative solve reached.
@@ -50,8 +55,8 @@ struct SolveQuality {
 
 /// Conjugate gradients for symmetric positive definite A (n × n, both halves stored).
 /// @param X the start on entry (n × k), the solution on return.
-/// @throws SolverFailure when the iteration leaves the finite numbers; `system` says what A stands for;
-/// Cancelled.
+/// @throws InvalidInput where options.problem() names one, here and below; SolverFailure when the iteration
+/// leaves the finite numbers; `system` says what A stands for; Cancelled.
 IterativeReport solve_conjugate_gradients(const SparseMatrix& A, const Eigen::MatrixXd& B, Eigen::MatrixXd& X,
                                           std::string_view system, const IterativeOptions& options = {},
                                           const Progress& progress = {});

@@ -51,9 +51,6 @@ struct Measured {
       : positions(mesh_positions) {
     const Eigen::Index n = mesh_positions.rows();
     if (triangles.rows() == 0) throw InvalidInput("the mesh has no faces, so it has no curvature to compare");
-    if (!left_out.empty() && left_out.size() != static_cast<std::size_t>(n))
-      throw InvalidInput(concat("the list of vertices left out has ", left_out.size(),
-                                " entries, but the mesh ", n, " vertices"));
     const Curvatures curvatures = discrete_curvatures(mesh_positions, triangles);
     H = curvatures.mean;
     edge_variance = edge_length_variances(mesh_positions, triangles);
@@ -121,9 +118,23 @@ double area_variance(const Points& positions, const Triangles& triangles) {
   return variance(areas) / (areas.mean() * areas.mean());
 }
 
+std::optional<std::string> MeshVariationOptions::problem(Eigen::Index n_original,
+                                                         Eigen::Index n_vertices) const {
+  const auto misfit = [](const char* name, const std::vector<char>& list, Eigen::Index n) {
+    return list.empty() || list.size() == static_cast<std::size_t>(n)
+               ? std::nullopt
+               : std::optional(concat(name, " must have an entry per vertex or none, got ", list.size(),
+                                      " entries for ", n, " vertices"));
+  };
+  if (auto wrong = misfit("original_left_out", original_left_out, n_original)) return wrong;
+  return misfit("left_out", left_out, n_vertices);
+}
+
 MeshVariation mesh_variation(const Points& original_positions, const Triangles& original_triangles,
                              const Points& positions, const Triangles& triangles,
                              const MeshVariationOptions& options, const Progress& progress) {
+  if (const auto problem = options.problem(original_positions.rows(), positions.rows()))
+    throw InvalidInput(*problem);
   progress.report("variation", 0);
   Measured before(original_positions, original_triangles, options.original_left_out);
   progress.report("variation", 0.3);

@@ -1,4 +1,6 @@
 #pragma once
+#include <optional>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -38,6 +40,9 @@ struct MeshVariationOptions {
   std::vector<char> original_left_out, left_out;
   /// Take Var(E) over the squared mean edge of its mesh, so that sizes do not count; false: as (2.51) has it.
   bool relative_edges = false;
+
+  /// The first problem found for meshes with so many vertices, naming field and value, or nothing.
+  std::optional<std::string> problem(Eigen::Index n_original, Eigen::Index n_vertices) const;
 };
 
 /// @throws InvalidInput when a mesh has no triangles or an option not the size of its mesh, and as
