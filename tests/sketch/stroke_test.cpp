@@ -224,6 +224,19 @@ TEST(NeatStroke, KeepsDrawnCorners) {
   }
 }
 
+TEST(PrepareStroke, NamesOptionsOutOfRange) {
+  Points line(2, 3);
+  line << 0, 0, 0, 1, 0, 0;
+  for (const StrokeOptions& options :
+       {StrokeOptions{.snap = -1}, StrokeOptions{.snap = std::nan("")}, StrokeOptions{.corner_angle = 0}}) {
+    ASSERT_NE(options.problem(), std::nullopt);
+    EXPECT_THROW(prepare_stroke(line, options), InvalidInput) << *options.problem();
+  }
+  EXPECT_EQ(StrokeOptions{.snap = -1}.problem(), "snap must be finite and at least 0, got -1");
+  EXPECT_EQ(StrokeOptions{.corner_angle = 0}.problem(), "corner_angle must be above 0, got 0");
+  EXPECT_EQ(StrokeOptions().problem(), std::nullopt);
+}
+
 // Held points off a neat stroke move it without a swing: the curve goes through them and is nowhere farther
 // from the line than they are.
 TEST(NeatStroke, IsMovedOntoHeldPoints) {

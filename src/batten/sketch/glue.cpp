@@ -80,30 +80,38 @@ int named_half(const PolylineMesh& mesh, const std::array<std::vector<int>, 2>& 
   return first && second ? -1 : first ? 0 : second ? 1 : -2;
 }
 
-}  // namespace
-
-EditReport glue_borders(PolylineMesh& mesh, const DrawnStroke& first, const DrawnStroke& second,
-                        const std::optional<std::array<int, 2>>& halves, const InsertOptions& options) {
-  const double snap = detail::snap_or_default(mesh, first.points, options);
-  if (mesh.empty()) throw RefusedEdit("there is no border to glue", "insert a first boundary");
-  if (halves)
-    for (const int curve : *halves) detail::require_curve(mesh, curve);
-  std::array<Stroke, 2> strokes{detail::ready_stroke(first, snap), detail::ready_stroke(second, snap)};
+/// The two strokes of a tube and where they end: contacts and vertices of the first, then of the second.
+struct TubeStrokes {
+  std::array<Stroke, 2> strokes;
   std::vector<StrokeContact> contacts;
+  std::vector<int> vertices;
+};
+
+TubeStrokes ready_strokes(const PolylineMesh& mesh, const std::array<const DrawnStroke*, 2>& drawn,
+                          double snap, double reach_factor) {
+  TubeStrokes tube;
+  tube.strokes = {detail::ready_stroke(*drawn[0], snap), detail::ready_stroke(*drawn[1], snap)};
   for (size_t k = 0; k < 2; ++k) {
+    Stroke& stroke = tube.strokes[k];
     const char* which = k == 0 ? "first" : "second";
-    if (strokes[k].closed)
+    if (stroke.closed)
       throw RefusedEdit(concat("the ", which, " stroke is closed"), "draw it from one border to the other");
-    if (options.reach_factor > 0)
-      strokes[k] = detail::reaching_stroke(
-          mesh, strokes[k], detail::reach_of(mesh, strokes[k], options.reach_factor), [&](int e) {
+    if (reach_factor > 0)
+      stroke =
+          detail::reaching_stroke(mesh, stroke, detail::reach_of(mesh, stroke, reach_factor), [&](int e) {
             const auto& faces = mesh.edge(e).faces;
             return faces[0] < 0 || faces[1] < 0;
           });
-    const auto own = end_contacts(mesh, strokes[k], snap, which);
-    contacts.insert(contacts.end(), own.begin(), own.end());
+    const auto own = end_contacts(mesh, stroke, snap, which);
+    tube.contacts.insert(tube.contacts.end(), own.begin(), own.end());
   }
-  std::vector<int> vertices = detail::contact_vertices(mesh, contacts);
+  return tube;
+}
+
+/// The borders that the first stroke joins, as walks. The second stroke is turned where it was drawn the
+/// other way. @throws RefusedEdit where the strokes do not join the same two borders in different places.
+std::array<std::vector<int>, 2> joined_borders(const PolylineMesh& mesh, TubeStrokes& tube) {
+  auto& [strokes, contacts, vertices] = tube;
   const std::vector<int> walk_a = mesh.opening(border_side(mesh, vertices[0]));
   const std::vector<int> walk_b = mesh.opening(border_side(mesh, vertices[1]));
   if (has_corner(mesh, walk_a, vertices[1]))
@@ -115,7 +123,6 @@ EditReport glue_borders(PolylineMesh& mesh, const DrawnStroke& first, const Draw
     strokes[1] = detail::reversed_stroke(strokes[1]);
     std::swap(vertices[2], vertices[3]);
     std::swap(contacts[2], contacts[3]);
-    for (const size_t k : {size_t{2}, size_t{3}}) contacts[k].arc = strokes[1].length - contacts[k].arc;
     contacts[2].arc = 0;
     contacts[3].arc = strokes[1].length;
   }
@@ -126,35 +133,59 @@ EditReport glue_borders(PolylineMesh& mesh, const DrawnStroke& first, const Draw
     throw RefusedEdit(
         concat("the two strokes meet at v", vertices[0] == vertices[2] ? vertices[0] : vertices[1]),
         "let them end in different places of each border");
+  return {walk_a, walk_b};
+}
 
-  const std::array<std::vector<int>, 2> a{half_of(mesh, walk_a, vertices[0], vertices[2]),
-                                          half_of(mesh, walk_a, vertices[2], vertices[0])};
-  std::array<std::vector<int>, 2> b{half_of(mesh, walk_b, vertices[1], vertices[3]),
-                                    half_of(mesh, walk_b, vertices[3], vertices[1])};
+using Halves = std::array<std::vector<int>, 2>;
+
+/// Whether a[0] lies across from b[1] as the two curves say, or nothing where they lie on both halves.
+/// @param one_part a and b bound the same part of the surface, which cannot be turned over.
+std::optional<bool> crossed_as_named(const PolylineMesh& mesh, const Halves& a, const Halves& b,
+                                     const std::array<int, 2>& curves, bool one_part) {
+  int in_a = named_half(mesh, a, curves[0]), in_b = named_half(mesh, b, curves[1]);
+  if (in_a == -2 && in_b == -2) {  // named in the other order
+    in_a = named_half(mesh, a, curves[1]);
+    in_b = named_half(mesh, b, curves[0]);
+  }
+  if (in_a == -2 || in_b == -2)
+    throw RefusedEdit(concat("c", curves[0], " and c", curves[1], " are not one on each of the two borders"),
+                      "name one curve of each border, both on the same side of the strokes");
+  if (in_a < 0 || in_b < 0) return std::nullopt;
+  if (in_a == in_b && one_part)
+    throw RefusedEdit(concat("with c", curves[0], " across from c", curves[1],
+                             " the handle would make the surface one-sided"),
+                      concat("name the curve of the other half instead of c", curves[1]));
+  return in_a != in_b;
+}
+
+std::vector<int> joined_walk(std::vector<int> walk, const std::vector<int>& b, const std::vector<int>& c,
+                             const std::vector<int>& d) {
+  for (const std::vector<int>* part : {&b, &c, &d}) walk.insert(walk.end(), part->begin(), part->end());
+  return walk;
+}
+
+}  // namespace
+
+EditReport glue_borders(PolylineMesh& mesh, const DrawnStroke& first, const DrawnStroke& second,
+                        const std::optional<std::array<int, 2>>& halves, const InsertOptions& options) {
+  const double snap = detail::snap_or_default(mesh, first.points, options);
+  if (mesh.empty()) throw RefusedEdit("there is no border to glue", "insert a first boundary");
+  if (halves)
+    for (const int curve : *halves) detail::require_curve(mesh, curve);
+  TubeStrokes tube = ready_strokes(mesh, {&first, &second}, snap, options.reach_factor);
+  tube.vertices = detail::contact_vertices(mesh, tube.contacts);
+  const auto [walk_a, walk_b] = joined_borders(mesh, tube);
+  const std::vector<int>& vertices = tube.vertices;
+
+  const Halves a{half_of(mesh, walk_a, vertices[0], vertices[2]),
+                 half_of(mesh, walk_a, vertices[2], vertices[0])};
+  Halves b{half_of(mesh, walk_b, vertices[1], vertices[3]), half_of(mesh, walk_b, vertices[3], vertices[1])};
   // Faces walk openings forwards, so a[0] can only be across from b[1] unless the other part is turned over.
   const int face_a = mesh.face_of(opposite_side(a[0].front())),
             face_b = mesh.face_of(opposite_side(b[0].front()));
-  const bool same_part = connected(mesh, face_a, face_b);
-  bool crossed = same_part || !detail::first_faces_first(mesh, a, b);
-  if (halves) {
-    int in_a = named_half(mesh, a, (*halves)[0]), in_b = named_half(mesh, b, (*halves)[1]);
-    if (in_a == -2 && in_b == -2) {  // named in the other order
-      in_a = named_half(mesh, a, (*halves)[1]);
-      in_b = named_half(mesh, b, (*halves)[0]);
-    }
-    if (in_a == -2 || in_b == -2)
-      throw RefusedEdit(
-          concat("c", (*halves)[0], " and c", (*halves)[1], " are not one on each of the two borders"),
-          "name one curve of each border, both on the same side of the strokes");
-    if (in_a >= 0 && in_b >= 0) {
-      const bool wanted = in_a != in_b;
-      if (!wanted && same_part)
-        throw RefusedEdit(concat("with c", (*halves)[0], " across from c", (*halves)[1],
-                                 " the handle would make the surface one-sided"),
-                          concat("name the curve of the other half instead of c", (*halves)[1]));
-      crossed = wanted;
-    }
-  }
+  const bool one_part = connected(mesh, face_a, face_b);
+  bool crossed = one_part || !detail::first_faces_first(mesh, a, b);
+  if (halves) crossed = crossed_as_named(mesh, a, b, *halves, one_part).value_or(crossed);
   if (!crossed) {
     mesh.flip_component(face_b);
     b = {detail::reversed_chain(b[1]), detail::reversed_chain(b[0])};
@@ -164,21 +195,13 @@ EditReport glue_borders(PolylineMesh& mesh, const DrawnStroke& first, const Draw
   std::array<std::vector<int>, 2> chains;
   for (size_t k = 0; k < 2; ++k) {
     std::vector<HeldPoint> held;
-    for (size_t end = 0; end < 2; ++end)
-      held.push_back({contacts[2 * k + end].arc, contacts[2 * k + end].position});
+    for (size_t end = 2 * k; end < 2 * k + 2; ++end)
+      held.push_back({tube.contacts[end].arc, tube.contacts[end].position});
     const detail::DrawnCurve drawn =
-        detail::place_stroke(mesh, strokes[k], held, {vertices[2 * k], vertices[2 * k + 1]});
+        detail::place_stroke(mesh, tube.strokes[k], held, {vertices[2 * k], vertices[2 * k + 1]});
     chains[k] = detail::add_piece(mesh, drawn, 0, options.sharpness);
     report.curves.push_back(drawn.curve);
   }
-  const auto joined_walk = [&](const std::vector<int>& half, const std::vector<int>& there,
-                               const std::vector<int>& other, const std::vector<int>& back) {
-    std::vector<int> walk = half;
-    walk.insert(walk.end(), there.begin(), there.end());
-    walk.insert(walk.end(), other.begin(), other.end());
-    walk.insert(walk.end(), back.begin(), back.end());
-    return walk;
-  };
   mesh.add_face(joined_walk(a[0], chains[1], b[1], detail::reversed_chain(chains[0])));
   mesh.add_face(joined_walk(a[1], chains[0], b[0], detail::reversed_chain(chains[1])));
   detail::dissolve_seams(mesh, detail::seams_near(mesh, vertices));

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include <Eigen/Geometry>
 
@@ -280,9 +281,12 @@ std::vector<int> add_piece(PolylineMesh& mesh, const DrawnCurve& drawn, size_t p
   return chain;
 }
 
-EditReport insert_ready(PolylineMesh& mesh, const Stroke& stroke, const std::vector<StrokeContact>& contacts,
-                        double snap, const InsertOptions& options, int* curve) {
-  EditReport report;
+namespace {
+
+/// @throws RefusedEdit where a stroke does not reach curves with its ends, or meets one vertex twice in a
+/// row.
+void check_contacts(const PolylineMesh& mesh, const Stroke& stroke,
+                    const std::vector<StrokeContact>& contacts, double snap) {
   if (!stroke.closed) {
     if (mesh.empty())
       throw RefusedEdit(
@@ -307,6 +311,55 @@ EditReport insert_ready(PolylineMesh& mesh, const Stroke& stroke, const std::vec
                                text_of_length(std::abs(b.arc - a.arc)), " apart along it"),
                         "draw a longer way, or use a smaller snapping distance");
   }
+}
+
+/// The face that a piece of a stroke divides, or the opening that it closes: where the directions at its ends
+/// fit best. Nothing where there is none.
+std::optional<Walkway> best_way(const PolylineMesh& mesh, int from, int to, const std::vector<Points>& parts,
+                                Into into) {
+  const Vector3d leaving = Polyline(parts.front()).direction_at_front();
+  const Vector3d arriving = Polyline(parts.back()).direction_at_back();
+  const std::vector<Walkway> ways = walkways(mesh, from, to);
+  // Where curves leave a vertex side by side, directions alone do not tell which face is meant.
+  std::vector<double> distances(ways.size(), 0);
+  double nearest = std::numeric_limits<double>::infinity();
+  bool common_face = false;
+  for (size_t w = 0; w < ways.size(); ++w)
+    if (ways[w].face >= 0) {
+      common_face = true;
+      distances[w] = distance_from(mesh, ways[w].face, parts);
+      nearest = std::min(nearest, distances[w]);
+    }
+  const Walkway* best = nullptr;
+  double least = std::numeric_limits<double>::infinity();
+  for (size_t w = 0; w < ways.size(); ++w) {
+    const Walkway& way = ways[w];
+    if ((into == Into::Face && way.face < 0) || (into == Into::Opening && way.face >= 0)) continue;
+    constexpr double kFacesFirst = 0.3;  // radians; an opening has to be meant
+    constexpr double kFarther = 0.6;     // radians, for a face much farther away than another
+    const auto farther = [&](double distance) {
+      return distance > nearest ? kFarther * (1 - nearest / distance) : 0;
+    };
+    const double cost = misfit(mesh, way.walk, from, leaving) + misfit(mesh, way.walk, to, arriving) +
+                        (way.face < 0 ? kFacesFirst : farther(distances[w]));
+    if (cost < least - 1e-6) {
+      least = cost;
+      best = &way;
+    }
+  }
+  if (!best) return std::nullopt;
+  if (best->face < 0 && !common_face && into == Into::Auto &&
+      heads_for_faces(mesh, *best, from, to, leaving, arriving) && !runs_over(mesh, *best, from, to, parts))
+    return std::nullopt;
+  return *best;
+}
+
+}  // namespace
+
+EditReport insert_ready(PolylineMesh& mesh, const Stroke& stroke, const std::vector<StrokeContact>& contacts,
+                        double snap, const InsertOptions& options, int* curve) {
+  check_contacts(mesh, stroke, contacts, snap);
+  EditReport report;
   if (contacts.empty()) {  // a first boundary
     refuse_on_face(mesh, stroke, snap);
     const int own = mesh.add_curve();
@@ -321,47 +374,13 @@ EditReport insert_ready(PolylineMesh& mesh, const Stroke& stroke, const std::vec
     const int from = drawn.vertices[piece], to = drawn.vertices[(piece + 1) % drawn.vertices.size()];
     if (from == to)
       throw RefusedEdit(concat("the stroke meets v", from, " twice"), "use a smaller snapping distance");
-    const auto& parts = drawn.pieces[piece];
-    const Vector3d leaving = Polyline(parts.front()).direction_at_front();
-    const Vector3d arriving = Polyline(parts.back()).direction_at_back();
-    const Walkway* best = nullptr;
-    double least = std::numeric_limits<double>::infinity();
-    const std::vector<Walkway> ways = walkways(mesh, from, to);
-    // Where curves leave a vertex side by side, directions alone do not tell which face is meant.
-    std::vector<double> distances(ways.size(), 0);
-    double nearest = std::numeric_limits<double>::infinity();
-    for (size_t w = 0; w < ways.size(); ++w)
-      if (ways[w].face >= 0) {
-        distances[w] = distance_from(mesh, ways[w].face, parts);
-        nearest = std::min(nearest, distances[w]);
-      }
-    for (const Walkway& way : ways) {
-      if ((options.into == Into::Face && way.face < 0) || (options.into == Into::Opening && way.face >= 0))
-        continue;
-      constexpr double kFacesFirst = 0.3;  // radians; an opening has to be meant
-      constexpr double kFarther = 0.6;     // radians, for a face much farther away than another
-      const auto farther = [&](double distance) {
-        return distance > nearest ? kFarther * (1 - nearest / distance) : 0;
-      };
-      const double cost =
-          misfit(mesh, way.walk, from, leaving) + misfit(mesh, way.walk, to, arriving) +
-          (way.face < 0 ? kFacesFirst : farther(distances[static_cast<size_t>(&way - ways.data())]));
-      if (cost < least - 1e-6) {
-        least = cost;
-        best = &way;
-      }
-    }
-    const bool common_face =
-        std::any_of(ways.begin(), ways.end(), [](const Walkway& way) { return way.face >= 0; });
-    if (best && best->face < 0 && !common_face && options.into == Into::Auto &&
-        heads_for_faces(mesh, *best, from, to, leaving, arriving) && !runs_over(mesh, *best, from, to, parts))
-      best = nullptr;
-    if (!best) refuse_piece(mesh, parts, from, to, snap, options.into);
+    const std::optional<Walkway> way = best_way(mesh, from, to, drawn.pieces[piece], options.into);
+    if (!way) refuse_piece(mesh, drawn.pieces[piece], from, to, snap, options.into);
     const std::vector<int> chain = add_piece(mesh, drawn, piece, options.sharpness);
-    if (best->face >= 0) {
-      mesh.split_face(best->face, chain);
+    if (way->face >= 0) {
+      mesh.split_face(way->face, chain);
     } else {
-      mesh.close_opening(best->opening, chain);
+      mesh.close_opening(way->opening, chain);
       report.euler_change += 1;
       report.remarks.push_back(concat("c", drawn.curve, " closes an opening"));
     }

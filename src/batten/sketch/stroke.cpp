@@ -179,6 +179,12 @@ std::vector<double> Stroke::arcs() const {
   return arcs;
 }
 
+std::optional<std::string> StrokeOptions::problem() const {
+  if (!(snap >= 0) || !std::isfinite(snap)) return concat("snap must be finite and at least 0, got ", snap);
+  if (!(corner_angle > 0)) return concat("corner_angle must be above 0, got ", corner_angle);
+  return std::nullopt;
+}
+
 Stroke prepare_stroke(const Points& points, const StrokeOptions& options) {
   for (Index i = 0; i < points.rows(); ++i)
     if (!points.row(i).allFinite())
@@ -191,6 +197,8 @@ Stroke prepare_stroke(const Points& points, const StrokeOptions& options) {
   if (extent <= 1e-12 * (points.rows() == 0 ? 1 : points.cwiseAbs().maxCoeff()))
     throw RefusedEdit(points.rows() == 0 ? "the stroke has no points" : "the stroke has no length",
                       "draw a stroke with two different points or more");
+  // Later than the points, from which distances are often made.
+  if (const auto problem = options.problem()) throw InvalidInput(*problem);
   Stroke stroke;
   stroke.points = without_repeats(points, 1e-12 * extent);
   stroke.noise = estimate_noise(stroke.points).deviation;

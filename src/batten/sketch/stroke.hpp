@@ -1,4 +1,6 @@
 #pragma once
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "batten/core/arrays.hpp"
@@ -43,19 +45,22 @@ struct StrokeOptions {
   /// nearest approach, a gap of up to a quarter of its size is bridged, and an offset to the side is spread
   /// over both ends.
   bool recognise_loops = false;
-  /// Snapping distance, in the unit of the model, positive.
+  /// Snapping distance, in the unit of the model, at least 0.
   double snap = 0;
   /// Turns sharper than this within 2 % of the length (up to 6 % where there is noise) are corners, in
-  /// radians; those of open strokes within `snap` of an end, where pens slip, are not. A circle given by
-  /// seven or more points has none.
+  /// radians, above 0; those of open strokes within `snap` of an end, where pens slip, are not. A circle
+  /// given by seven or more points has none.
   double corner_angle = 0.92;
+
+  /// The first problem found, naming field and value, or nothing.
+  std::optional<std::string> problem() const;
 };
 
 /// Reads a stroke as a pen or a mouse gives it: any number of points (thinned to 1,000), unevenly spaced,
 /// noisy. The noise is estimated from third differences, and only where there is some the stroke is smoothed
 /// by a Gaussian of so many samples as it takes; exact strokes are left as they are.
-/// @throws RefusedEdit when a point is not finite, there is but one place, or a closed stroke has fewer than
-/// three.
+/// @throws InvalidInput where options.problem() names one; RefusedEdit when a point is not finite, there is
+/// but one place, or a closed stroke has fewer than three.
 Stroke prepare_stroke(const Points& points, const StrokeOptions& options);
 
 /// The same stroke without its tremor: cubic splines from corner to corner, with as many spans as the

@@ -115,14 +115,21 @@ EditReport transform_model(PolylineMesh& mesh, const Eigen::Matrix4d& matrix) {
   return {};
 }
 
+std::optional<std::string> InsertOptions::problem() const {
+  const auto below = [](double value, double least) { return !(value >= least) || !std::isfinite(value); };
+  if (below(snap, 0)) return concat("snap must be finite and at least 0, got ", snap);
+  if (below(snap_factor, 0) || snap_factor == 0)
+    return concat("snap_factor must be finite and above 0, got ", snap_factor);
+  if (below(reach_factor, 0)) return concat("reach_factor must be finite and at least 0, got ", reach_factor);
+  if (!(sharpness >= 0 && sharpness <= 1))
+    return concat("sharpness must lie in 0 (smooth) to 1 (sharp), got ", sharpness);
+  return std::nullopt;
+}
+
 namespace detail {
 
 double snap_or_default(const PolylineMesh& mesh, const Points& stroke, const InsertOptions& options) {
-  if (!std::isfinite(options.snap) || options.snap < 0)
-    throw RefusedEdit(concat("the snapping distance is ", options.snap), "give a positive length");
-  if (!(options.sharpness >= 0 && options.sharpness <= 1))
-    throw RefusedEdit(concat("the sharpness is ", options.sharpness),
-                      "give a value from 0 (smooth) to 1 (sharp)");
+  if (const auto problem = options.problem()) throw RefusedEdit(*problem, "give a value in this range");
   return options.snap > 0 ? options.snap : options.snap_factor * default_snap(mesh, stroke);
 }
 

@@ -43,10 +43,13 @@ double default_snap(const PolylineMesh& mesh, const Points& stroke);
 /// one crosses at least one curve. Its pieces over an opening close it.
 struct InsertOptions {
   double snap = 0;  ///< snapping distance to curves and vertices, in the unit of the model; 0: default_snap()
-  double snap_factor = 1;   ///< times default_snap(), where `snap` is 0
-  double reach_factor = 0;  ///< times default_snap(): how far ends of strokes look for a curve to end on
+  double snap_factor = 1;   ///< times default_snap(), where `snap` is 0; above 0
+  double reach_factor = 0;  ///< times default_snap(): how far ends of strokes look for a curve; at least 0
   double sharpness = 0;     ///< 0 … 1
   Into into = Into::Auto;
+
+  /// The first problem found, naming field and value, or nothing.
+  std::optional<std::string> problem() const;
 };
 EditReport insert_curve(PolylineMesh& mesh, const DrawnStroke& stroke, const InsertOptions& options = {});
 

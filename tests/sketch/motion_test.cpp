@@ -1,0 +1,114 @@
+#include "tool_models.hpp"
+
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
+#include "batten/core/random.hpp"
+#include "batten/sketch/polyline_mesh.hpp"
+#include "batten/sketch/tools.hpp"
+
+namespace batten {
+namespace {
+
+using namespace strokes;
+using Eigen::Vector3d;
+
+// What squares of coordinates cannot hold is refused, whatever the determinant says.
+TEST(Transform, ModelsStayWithinTheRangeOfNumbers) {
+  PolylineMesh mesh;
+  EXPECT_CONTAINS(
+      refusal(mesh, [](PolylineMesh& m) { return transform_model(m, Eigen::Matrix4d::Identity()); }),
+      "nothing to move");
+  mesh = octahedral_sphere();
+  const auto scaled = [&](double x, double y, double z) {
+    const Eigen::Matrix4d matrix = Eigen::Vector4d(x, y, z, 1).asDiagonal();
+    return refusal(mesh, [&](PolylineMesh& m) { return transform_model(m, matrix); });
+  };
+  EXPECT_CONTAINS(scaled(1e300, 1e300, 1e300), "beyond 1e+100");
+  EXPECT_CONTAINS(scaled(1e-300, 1e-300, 1e-300), "below 1e-100");
+  EXPECT_CONTAINS(scaled(1, 1, 0), "flattens");
+  EXPECT_CONTAINS(scaled(0, 0, 0), "flattens");
+  for (const double size : {1e-40, 1e40}) {  // cubes of these are out of range, the model is not
+    const Eigen::Matrix4d matrix = Eigen::Vector4d(size, size, size, 1).asDiagonal();
+    edit(mesh, [&](PolylineMesh& m) { return transform_model(m, matrix); });
+    EXPECT_EQ(mesh.broken_invariant(), "");
+    const Eigen::Matrix4d back = Eigen::Vector4d(1 / size, 1 / size, 1 / size, 1).asDiagonal();
+    edit(mesh, [&](PolylineMesh& m) { return transform_model(m, back); });
+  }
+}
+
+TEST(Transform, MirrorsTurnFacesSoThatTheyStayOutside) {
+  PolylineMesh mesh = octahedral_sphere();
+  const auto volume = [](const PolylineMesh& m) {  // of the octahedron of the corners
+    double sum = 0;
+    for (const SketchFace& face : m.faces()) {
+      if (!face.alive) continue;
+      const auto corner = [&](size_t k) { return m.vertex(m.start_of(face.sides[k])).position; };
+      sum += corner(0).cross(corner(1)).dot(corner(2)) / 6;
+    }
+    return sum;
+  };
+  const double before = volume(mesh);
+  Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
+  matrix(0, 0) = -2;
+  edit(mesh, [&](PolylineMesh& m) { return transform_model(m, matrix); });
+  EXPECT_NEAR(volume(mesh), 2 * before, 1e-6);
+  EXPECT_EQ(mesh.broken_invariant(), "");
+}
+
+TEST(Align, FindsThePoseOfACurveWithoutSymmetryInEveryTry) {
+  // An open space curve without symmetry, moved at random. Exact data: the residual is that of arithmetic.
+  Points points(200, 3);
+  for (int i = 0; i < 200; ++i) {
+    const double t = i / 199.0;
+    points.row(i) << t + 0.3 * t * t, 0.4 * std::sin(4 * t) + 0.2 * t,
+        0.3 * t * t * t + 0.1 * std::cos(9 * t);
+  }
+  const Polyline curve(points);
+  Random random(5);
+#ifdef __SANITIZE_ADDRESS__
+  constexpr int kTries = 50;  // the sanitizers look at the code, not at the statistics
+#else
+  constexpr int kTries = 1000;
+#endif
+  int wrong = 0;
+  for (int k = 0; k < kTries; ++k) {
+    const Eigen::Quaterniond q =
+        Eigen::Quaterniond(random.normal(), random.normal(), random.normal(), random.normal()).normalized();
+    const Vector3d shift = 3 * random.normal3();
+    Points moved = (points * q.toRotationMatrix().transpose()).rowwise() + shift.transpose();
+    if (k % 2) moved = moved.colwise().reverse().eval();  // drawn from the other end
+    const Alignment found = align_curves(curve, Polyline(moved));
+    double worst = 0;
+    for (Eigen::Index i = 0; i < points.rows(); ++i) {
+      const Vector3d p = points.row(i);
+      worst = std::max(
+          worst,
+          ((found.matrix.topLeftCorner<3, 3>() * p + found.matrix.topRightCorner<3, 1>()) - (q * p + shift))
+              .norm());
+    }
+    if (worst > 1e-4 * curve.length()) ++wrong;
+  }
+  EXPECT_EQ(wrong, 0);
+}
+
+TEST(Align, TriesManyTurnsWhereAxesAreEqual) {
+  // Three lobes of one plane curve: both axes in the plane are equal, so that principal axes say nothing.
+  const auto lobes = [](double phase) {
+    Points points(241, 3);
+    for (int i = 0; i <= 240; ++i) {
+      const double t = 2 * kPi * i / 240, r = 1 + 0.4 * std::cos(3 * t);
+      points.row(i) << r * std::cos(t + phase), r * std::sin(t + phase), 0.15 * std::sin(3 * t);
+    }
+    return points;
+  };
+  const Polyline curve(lobes(0));
+  for (const double phase : {0.3, 1.0, 2.2, 4.0}) {
+    const Alignment found = align_curves(curve, Polyline(lobes(phase)));
+    EXPECT_LT(found.rms, 1e-4 * curve.length()) << phase;
+    EXPECT_TRUE(found.ambiguous);  // thirds of a turn fit as well
+  }
+}
+
+}  // namespace
+}  // namespace batten
