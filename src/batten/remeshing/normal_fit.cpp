@@ -18,6 +18,7 @@
 #include "batten/core/units.hpp"
 #include "batten/mesh/spatial_order.hpp"
 #include "batten/remeshing/area_samples.hpp"
+#include "batten/remeshing/fit_ring_detail.hpp"
 
 namespace batten {
 
@@ -25,12 +26,12 @@ namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
+using remeshing::cross;
+using remeshing::FitPlace;
+using remeshing::sine_of_smallest_angle;
 
 constexpr int kNone = HalfedgeMesh::kNone;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-/// Points whose normal differs from that of the nearest triangle by more than 60° lie on the other side of an
-/// edge; a triangle may not turn by more in one move.
-constexpr double kSameSide = 0.5;
 /// By which the logarithm of the shape weight falls per radian of mean angle in excess: about halved at 2°.
 constexpr double kGain = 20;
 /// Edges of the reference that turn by more than this are worth a vertex on them.
@@ -38,49 +39,9 @@ constexpr double kCreaseAngle = radians(4.0);
 /// Vertices of one block: blocks are worked on in parallel, and what lies between them afterwards, by one
 /// thread. Some 7 % of the vertices of a block have neighbours in another.
 constexpr Eigen::Index kBlock = 4096;
-constexpr std::size_t kSamplesPerReport = 1 << 17;  ///< some 20 ms
 /// Around a vertex with a smaller mean error of the normals (and distances), radians, there is nothing to
 /// fit.
 constexpr double kExact = 1e-3;
-
-Vector3d cross(const Vector3d& u, const Vector3d& v) {
-  return {u.y() * v.z() - u.z() * v.y(), u.z() * v.x() - u.x() * v.z(), u.x() * v.y() - u.y() * v.x()};
-}
-
-/// The sine of the smallest angle, which lies between the two longest sides.
-double sine_of_smallest_angle(double doubled_area, double uu, double vv, double ww) {
-  const double longest_two = uu <= vv && uu <= ww ? vv * ww : (vv <= ww ? uu * ww : uu * vv);
-  return doubled_area / std::sqrt(longest_two);
-}
-
-/// Per corner k of every triangle: 1 where the edge to the next corner turns by more than `angle` radians.
-std::vector<std::array<char, 3>> creases(const Points& X, const Triangles& T, double angle) {
-  struct Side {
-    int low, high, triangle, corner;
-    bool operator<(const Side& other) const {
-      return std::tie(low, high, triangle) < std::tie(other.low, other.high, other.triangle);
-    }
-  };
-  std::vector<Side> sides;
-  sides.reserve(3 * T.rows());
-  std::vector<Vector3d> normals(T.rows());
-  for (Eigen::Index f = 0; f < T.rows(); ++f) {
-    normals[f] = cross(X.row(T(f, 1)) - X.row(T(f, 0)), X.row(T(f, 2)) - X.row(T(f, 0))).normalized();
-    for (int k = 0; k < 3; ++k) {
-      const auto [low, high] = std::minmax(T(f, k), T(f, (k + 1) % 3));
-      sides.push_back({low, high, static_cast<int>(f), k});
-    }
-  }
-  std::sort(sides.begin(), sides.end());
-  std::vector<std::array<char, 3>> result(T.rows(), {0, 0, 0});
-  const double cosine = std::cos(angle);
-  for (std::size_t i = 0; i + 1 < sides.size(); ++i) {
-    const Side &a = sides[i], &b = sides[i + 1];
-    if (a.low == b.low && a.high == b.high && normals[a.triangle].dot(normals[b.triangle]) < cosine)
-      result[a.triangle][a.corner] = result[b.triangle][b.corner] = 1;
-  }
-  return result;
-}
 
 class NormalFit {
  public:
@@ -92,14 +53,14 @@ class NormalFit {
         X_(X),
         T_(T),
         options_(options),
-        pieces_(std::move(reference.pieces)) {
+        weights_{options.shape, options.distance} {
     progress.report("creases", 0);
-    creases_ = creases(X, T, kCreaseAngle);
+    creases_ = remeshing::crease_corners(X, T, kCreaseAngle);
     progress.report("order", 0.3);
     const HalfedgeMesh::Compact compact = mesh_.compacted();
     order_elements(compact);
     progress.report("samples", 0.6);
-    sort_samples(reference, compact, progress.part("samples", 0.6, 0.9));
+    samples_.take(std::move(reference), mesh_, compact, faces_, progress.part("samples", 0.6, 0.9));
     valence_.assign(mesh_.vertex_capacity(), 0);
     for (int v = 0; v < mesh_.vertex_capacity(); ++v)
       if (mesh_.has_vertex(v)) valence_[v] = mesh_.valence(v);
@@ -108,7 +69,6 @@ class NormalFit {
   int run(const Progress& progress) {
     std::vector<char> changed(mesh_.vertex_capacity(), kChanged);
     exact_.assign(mesh_.vertex_capacity(), 0);
-    shape_ = options_.shape;
     int total = 0;
     for (int round = 0; round < options_.rounds; ++round) {
       const Progress part = progress.part("fitting normals", static_cast<double>(round) / options_.rounds,
@@ -121,7 +81,7 @@ class NormalFit {
       // The weight of the shape follows the angles: as low as they allow. All is looked at again where it
       // changed much.
       const double factor = std::clamp(std::exp(-kGain * excess), 0.4, 2.5);
-      shape_ = std::min(shape_ * factor, options_.shape);
+      weights_.shape = std::min(weights_.shape * factor, options_.shape);
       changed.swap(next_);
       // A lower weight alone is no news where nothing is left to fit.
       if (std::abs(factor - 1) > 0.25)
@@ -136,66 +96,12 @@ class NormalFit {
   /// Why a vertex is looked at again: something around it changed, or only the weight of the shape.
   static constexpr char kChanged = 1, kReweighted = 2;
 
-  /// A triangle around the vertex: its two other corners and the sector between feature edges that it is in.
-  struct Spoke {
-    Vector3d b, c, normal;
-    double squared_far_side;  ///< |c − b|²
-    int face, sector;
-  };
-  /// The same with the vertex at a trial place x: a point p of its plane lies between the rays to b and c
-  /// where (p − x) · after_b and (p − x) · before_c are both positive.
-  struct Trial {
-    Vector3d normal, after_b, before_c;
-  };
-  /// A sample on one of the triangles around the vertex.
-  struct RingSample {
-    AreaSample sample;
-    int number;  ///< of the sample
-    int spoke;
-  };
-
-  struct Place {
-    double squared;  ///< distance from the vertex
-    int number;      ///< tells apart places at the same distance
-    Vector3d point;
-  };
-  /// The nearest `n` different places of those offered, nearest first. Places as far as another up to
-  /// rounding, with the same number, are the same: an edge is seen from both of its triangles.
-  template <int n>
-  struct Nearest {
-    std::array<Place, n> places;
-    int size = 0;
-
-    void clear() { size = 0; }
-    void offer(const Place& place) {
-      int at = size;
-      while (at > 0 && before(place, places[at - 1])) --at;
-      if (at == n || (at > 0 && same(places[at - 1], place)) || (at < size && same(place, places[at])))
-        return;
-      if (size < n) ++size;
-      for (int i = size - 1; i > at; --i) places[i] = places[i - 1];
-      places[at] = place;
-    }
-    static bool before(const Place& a, const Place& b) {
-      return a.squared != b.squared ? a.squared < b.squared : a.number < b.number;
-    }
-    static bool same(const Place& a, const Place& b) {
-      return a.number == b.number && b.squared <= a.squared * (1 + 1e-9);
-    }
-  };
-
-  /// What is known of the triangles around one vertex or edge while it is looked at. Every thread has its
-  /// own.
-  struct Ring {
-    std::vector<Spoke> spokes;
-    std::vector<RingSample> ring_samples;
-    bool has_sectors = false;  ///< whether feature edges part the spokes
-    double ring_area = 0;      ///< of the samples
-    double ring_shape = 0;     ///< of the last ring_cost()
-    std::vector<Trial> trials;
-    std::vector<int> first, second;  ///< samples of the two faces after a flip
-    Nearest<3> near;                 ///< vertices of the reference
-    Nearest<2> feet;                 ///< points on its creases
+  /// What a thread needs while it looks at a vertex or an edge.
+  struct Workspace {
+    remeshing::FitRing ring;
+    std::vector<int> first, second;    ///< samples of the two faces after a flip
+    remeshing::NearestPlaces<3> near;  ///< vertices of the reference
+    remeshing::NearestPlaces<2> feet;  ///< points on its creases
   };
 
   /// Vertices and faces in an order that keeps neighbours together, and the block of each vertex.
@@ -213,33 +119,6 @@ class NormalFit {
       });
     }
     n_blocks_ = static_cast<int>((vertices_.size() + kBlock - 1) / kBlock);
-  }
-
-  /// Samples in the order of their faces: what is used together lies together.
-  void sort_samples(ReferenceSamples& reference, const HalfedgeMesh::Compact& compact,
-                    const Progress& progress) {
-    std::vector<int> first(mesh_.face_capacity() + 1, 0);
-    for (const int nearest : reference.nearest) ++first[compact.faces[nearest]];
-    int total = 0;
-    for (const int f : faces_) total += std::exchange(first[f], total);
-    samples_.resize(reference.points.size());
-    of_face_.resize(mesh_.face_capacity());
-    for (std::size_t s = 0; s < samples_.size(); ++s) {
-      if (s % kSamplesPerReport == 0)
-        progress.report("samples", static_cast<double>(s) / static_cast<double>(samples_.size()));
-      const int f = compact.faces[reference.nearest[s]];
-      samples_[first[f]] = reference.points[s];
-      const Vector3d n = mesh_.area_normal(f);
-      if (n.dot(sample(first[f]).normal) > kSameSide * n.norm()) of_face_[f].push_back(first[f]);
-      ++first[f];
-    }
-    reference = {};
-  }
-
-  AreaSample sample(int s) const {
-    const SamplePoint& point = samples_[s];
-    const SampledTriangle& piece = pieces_[point.triangle];
-    return {point.point, piece.normal, piece.area, point.triangle};
   }
 
   /// Marks the vertices all of whose neighbours belong to the same block. What one block does to them is not
@@ -282,18 +161,18 @@ class NormalFit {
     parallel_for(
         n_blocks_, 1,
         [&](Eigen::Index block, Eigen::Index) {
-          Ring ring;
+          Workspace work;
           for (const int f : faces_of_block[block])
             for (int h = 3 * f; h < 3 * f + 3; ++h)
-              if (may_flip(h, changed) && is_interior_edge(h)) counts[block] += try_flip(h, ring) ? 1 : 0;
+              if (may_flip(h, changed) && is_interior_edge(h)) counts[block] += try_flip(h, work) ? 1 : 0;
         },
         progress.part("flips", 0, 0.8));
     int count = std::accumulate(counts.begin(), counts.end(), 0);
     progress.report("flips", 0.8);
-    Ring ring;
+    Workspace work;
     for (const int f : faces_)
       for (int h = 3 * f; h < 3 * f + 3; ++h)
-        if (may_flip(h, changed) && !is_interior_edge(h)) count += try_flip(h, ring) ? 1 : 0;
+        if (may_flip(h, changed) && !is_interior_edge(h)) count += try_flip(h, work) ? 1 : 0;
     return count;
   }
 
@@ -308,30 +187,21 @@ class NormalFit {
     parallel_for(
         static_cast<Eigen::Index>(vertices_.size()), kBlock,
         [&](Eigen::Index begin, Eigen::Index end) {
-          Ring ring;
+          Workspace work;
           int& count = counts[begin / kBlock];
           for (Eigen::Index i = begin; i < end; ++i)
             if (const int v = vertices_[i]; interior_[v] != 0 && is_due(v))
-              count += try_moves(v, ring) ? 1 : 0;
+              count += try_moves(v, work) ? 1 : 0;
         },
         progress.part("moves", 0, 0.8));
     int count = std::accumulate(counts.begin(), counts.end(), 0);
-    Ring ring;
+    Workspace work;
     for (std::size_t i = 0; i < vertices_.size(); ++i) {
       if (i % kBlock == 0)
         progress.report("moves", 0.8 + 0.2 * static_cast<double>(i) / static_cast<double>(vertices_.size()));
-      if (const int v = vertices_[i]; interior_[v] == 0 && is_due(v)) count += try_moves(v, ring) ? 1 : 0;
+      if (const int v = vertices_[i]; interior_[v] == 0 && is_due(v)) count += try_moves(v, work) ? 1 : 0;
     }
     return count;
-  }
-
-  double point_cost(const AreaSample& s, const Vector3d& normal, const Vector3d& on_plane,
-                    double length) const {
-    return s.area * ((s.normal - normal).norm() +
-                     options_.distance * std::abs(normal.dot(s.point - on_plane)) / length);
-  }
-  double shape_cost(double sine, double length) const {
-    return shape_ * 0.433 * length * length * (kPi / 3 - std::asin(std::min(1.0, sine)));
   }
 
   double mean_smallest_angle() const {
@@ -349,113 +219,21 @@ class NormalFit {
     return std::accumulate(angles.begin(), angles.end(), 0.0) / std::max(1, mesh_.n_faces());
   }
 
-  void gather(int v, Ring& ring) const {
-    ring.spokes.clear();
-    ring.ring_samples.clear();
-    mesh_.for_each_outgoing(v, [&](int h) {
-      Spoke spoke;
-      spoke.b = mesh_.position(mesh_.to(h));
-      spoke.c = mesh_.position(mesh_.tip(h));
-      spoke.squared_far_side = (spoke.c - spoke.b).squaredNorm();
-      spoke.face = HalfedgeMesh::face(h);
-      spoke.normal = mesh_.area_normal(spoke.face);
-      const double length = spoke.normal.norm();
-      if (length > 0) spoke.normal /= length;
-      spoke.sector = ring.spokes.empty() ? 0 : ring.spokes.back().sector + (mesh_.is_marked(h) ? 1 : 0);
-      ring.spokes.push_back(spoke);
-    });
-    // The last sector goes on in the first unless a feature edge parts them.
-    if (!mesh_.is_border_vertex(v) && !mesh_.is_marked(mesh_.outgoing(v))) {
-      const int last = ring.spokes.back().sector;
-      for (Spoke& spoke : ring.spokes)
-        if (spoke.sector == last) spoke.sector = 0;
-    }
-    for (std::size_t k = 0; k < ring.spokes.size(); ++k)
-      for (const int s : of_face_[ring.spokes[k].face])
-        ring.ring_samples.push_back({sample(s), s, static_cast<int>(k)});
-    ring.ring_area = 0;
-    for (const RingSample& entry : ring.ring_samples) ring.ring_area += entry.sample.area;
-    ring.has_sectors = false;
-    for (const Spoke& spoke : ring.spokes)
-      ring.has_sectors = ring.has_sectors || spoke.sector != ring.spokes[0].sector;
-  }
-
-  /// The spoke on which a sample lies for the trial, its offset from the vertex being p: the first that holds
-  /// it, from the one where it is now, else the one that it is least outside of.
-  static std::size_t spoke_of(const RingSample& entry, const Vector3d& p, const Ring& ring) {
-    const auto first = static_cast<std::size_t>(entry.spoke);
-    const std::size_t m = ring.spokes.size();
-    std::size_t best = first;
-    double best_margin = std::min(p.dot(ring.trials[first].after_b), p.dot(ring.trials[first].before_c));
-    for (std::size_t step = 1; step < m && best_margin < 0; ++step) {
-      const std::size_t k = first + step < m ? first + step : first + step - m;
-      if (ring.has_sectors && ring.spokes[k].sector != ring.spokes[first].sector) continue;
-      const double margin = std::min(p.dot(ring.trials[k].after_b), p.dot(ring.trials[k].before_c));
-      if (margin > best_margin) {
-        best_margin = margin;
-        best = k;
-      }
-    }
-    return best;
-  }
-
-  /// The sum over the triangles around v with v at x; infinite where a triangle would be bad.
-  /// @param least_sine of the smallest angles. @param bound above it the sum is of no interest: infinite is
-  /// returned. Leaves the triangles in ring.trials, and in ring.ring_shape what their shapes cost.
-  double ring_cost(const Vector3d& x, double length, double least_sine, double bound, Ring& ring) const {
-    const std::size_t m = ring.spokes.size();
-    ring.trials.resize(m);
-    double cost = 0;
-    for (std::size_t k = 0; k < m; ++k) {
-      const Spoke& spoke = ring.spokes[k];
-      const Vector3d u = spoke.b - x, w = spoke.c - x;
-      const Vector3d n = cross(u, w);
-      const double doubled = n.norm();
-      if (!(doubled > 0)) return kInfinity;
-      Trial& trial = ring.trials[k];
-      trial.normal = n / doubled;
-      if (!(trial.normal.dot(spoke.normal) > kSameSide)) return kInfinity;
-      const double sine =
-          sine_of_smallest_angle(doubled, u.squaredNorm(), w.squaredNorm(), spoke.squared_far_side);
-      if (sine < least_sine) return kInfinity;
-      trial.after_b = cross(trial.normal, u);
-      trial.before_c = cross(w, trial.normal);
-      cost += shape_cost(sine, length);
-    }
-    ring.ring_shape = cost;
-    for (const RingSample& entry : ring.ring_samples) {
-      if (cost > bound) return kInfinity;
-      const Vector3d p = entry.sample.point - x;
-      cost += point_cost(entry.sample, ring.trials[spoke_of(entry, p, ring)].normal, x, length);
-    }
-    return cost;
-  }
-
-  double least_sine_of_ring(int v, const Ring& ring) const {
-    double least = 1;
-    const Vector3d& x = mesh_.position(v);
-    for (const Spoke& spoke : ring.spokes) {
-      const Vector3d u = spoke.b - x, w = spoke.c - x;
-      least = std::min(least, sine_of_smallest_angle(cross(u, w).norm(), u.squaredNorm(), w.squaredNorm(),
-                                                     spoke.squared_far_side));
-    }
-    return least;
-  }
-
-  bool try_moves(int v, Ring& ring) {
+  bool try_moves(int v, Workspace& work) {
     if (state_.corner[v] != kNone) return false;
-    gather(v, ring);
+    remeshing::FitRing& ring = work.ring;
+    ring.gather(mesh_, samples_, v);
     const double length = state_.size[v];
     const Vector3d x = mesh_.position(v);
-    const double least = std::min(least_sine_of_ring(v, ring) - 1e-12, std::sin(options_.least_angle));
-    const double before = ring_cost(x, length, least, kInfinity, ring);
+    const double least = std::min(ring.least_sine(x) - 1e-12, std::sin(options_.least_angle));
+    const double before = ring.cost(x, length, least, kInfinity, weights_);
     if (!(before < kInfinity)) return false;
-    exact_[v] = before - ring.ring_shape <= kExact * ring.ring_area ? 1 : 0;
+    exact_[v] = before - ring.shape <= kExact * ring.area ? 1 : 0;
     double best = before * (1 - 1e-6) - 1e-12 * length * length;
     Vector3d best_place = x;
     double best_arc = 0;
     const auto consider = [&](const Vector3d& candidate, double arc) {
-      const double cost = ring_cost(candidate, length, least, best, ring);
+      const double cost = ring.cost(candidate, length, least, best, weights_);
       if (cost < best) {
         best = cost;
         best_place = candidate;
@@ -471,36 +249,37 @@ class NormalFit {
             std::abs(chain.lengths[k] - state_.place[v]) < 0.5 * length)
           consider(chain.points[k], chain.lengths[k]);
     } else {
-      if (exact_[v] == 0) try_free_places(x, length, consider, ring);
+      if (exact_[v] == 0) try_free_places(x, length, consider, work);
       try_middle(x, consider, ring);
     }
     if (best_place == x) return false;
-    ring_cost(best_place, length, least, kInfinity, ring);  // for its triangles
+    ring.cost(best_place, length, least, kInfinity, weights_);  // for its triangles
     mesh_.set_position(v, best_place);
     if (state_.chain[v] != kNone) state_.place[v] = best_arc;
-    for (const Spoke& spoke : ring.spokes) of_face_[spoke.face].clear();
-    for (const RingSample& entry : ring.ring_samples)
-      of_face_[ring.spokes[spoke_of(entry, entry.sample.point - best_place, ring)].face].push_back(
-          entry.number);
+    for (const auto& spoke : ring.spokes) samples_.of_face(spoke.face).clear();
+    for (const auto& entry : ring.entries)
+      samples_.of_face(ring.spokes[ring.spoke_of(entry, entry.sample.point - best_place)].face)
+          .push_back(entry.number);
     next_[v] = kChanged;
     mesh_.for_each_neighbour(v, [&](int u) { next_[u] = kChanged; });
     return true;
   }
 
   template <typename Consider>
-  void try_free_places(const Vector3d& x, double length, Consider&& consider, Ring& ring) {
-    ring.near.clear();
-    ring.feet.clear();
+  void try_free_places(const Vector3d& x, double length, Consider&& consider, Workspace& work) {
+    const std::vector<remeshing::FitRing::Entry>& entries = work.ring.entries;
+    work.near.clear();
+    work.feet.clear();
     Matrix3d A = Matrix3d::Zero();
     Vector3d right = Vector3d::Zero();
     double area = 0;
     const double reach = 0.36 * length * length;
-    for (std::size_t i = 0; i < ring.ring_samples.size();) {
+    for (std::size_t i = 0; i < entries.size();) {
       // Samples of a triangle mostly come together, and have one plane.
-      const AreaSample& sample = ring.ring_samples[i].sample;
+      const AreaSample& sample = entries[i].sample;
       double piece = 0;
-      for (; i < ring.ring_samples.size() && ring.ring_samples[i].sample.triangle == sample.triangle; ++i)
-        piece += ring.ring_samples[i].sample.area;
+      for (; i < entries.size() && entries[i].sample.triangle == sample.triangle; ++i)
+        piece += entries[i].sample.area;
       const Vector3d weighted = piece * sample.normal;
       A += weighted * sample.normal.transpose();
       right += sample.normal.dot(sample.point - x) * weighted;
@@ -509,7 +288,7 @@ class NormalFit {
       for (int k = 0; k < 3; ++k) {
         corners[k] = X_.row(T_(sample.triangle, k));
         const double squared = (corners[k] - x).squaredNorm();
-        if (squared > 0 && squared < reach) ring.near.offer({squared, T_(sample.triangle, k), corners[k]});
+        if (squared > 0 && squared < reach) work.near.offer({squared, T_(sample.triangle, k), corners[k]});
       }
       for (int k = 0; k < 3; ++k) {
         if (creases_[sample.triangle][k] == 0) continue;
@@ -518,11 +297,11 @@ class NormalFit {
         if (!(along > 0 && along < 1)) continue;
         const Vector3d foot = a + along * side;
         const double apart = (foot - x).squaredNorm();
-        if (apart > 0 && apart < reach) ring.feet.offer({apart, 0, foot});
+        if (apart > 0 && apart < reach) work.feet.offer({apart, 0, foot});
       }
     }
-    for (int i = 0; i < ring.feet.size; ++i) consider(ring.feet.places[i].point, 0);
-    for (int i = 0; i < ring.near.size; ++i) consider(ring.near.places[i].point, 0);
+    for (int i = 0; i < work.feet.size; ++i) consider(work.feet.places[i].point, 0);
+    for (int i = 0; i < work.near.size; ++i) consider(work.near.places[i].point, 0);
     // Where the planes meet: the weak pull to x decides along directions that they leave open.
     A.diagonal().array() += 1e-3 * area;
     consider(x + A.ldlt().solve(right), 0);
@@ -530,9 +309,9 @@ class NormalFit {
 
   /// Half the way to the middle of the neighbours, in the surface.
   template <typename Consider>
-  void try_middle(const Vector3d& x, Consider&& consider, const Ring& ring) {
+  void try_middle(const Vector3d& x, Consider&& consider, const remeshing::FitRing& ring) {
     Vector3d middle = Vector3d::Zero(), normal = Vector3d::Zero();
-    for (const Spoke& spoke : ring.spokes) {
+    for (const auto& spoke : ring.spokes) {
       middle += spoke.b;
       normal += spoke.normal;
     }
@@ -544,7 +323,7 @@ class NormalFit {
     }
   }
 
-  bool try_flip(int h, Ring& ring) {
+  bool try_flip(int h, Workspace& work) {
     const int o = mesh_.opposite(h);
     const int u = mesh_.from(h), v = mesh_.to(h), w = mesh_.tip(h), z = mesh_.tip(o);
     if ((valence_[u] <= 3 && !mesh_.is_border_vertex(u)) || (valence_[v] <= 3 && !mesh_.is_border_vertex(v)))
@@ -566,12 +345,13 @@ class NormalFit {
       sines[k] = sine_of_smallest_angle(doubled, a.squaredNorm(), b.squaredNorm(), (b - a).squaredNorm());
     }
     const Vector3d mean = (normals[0] + normals[1]).normalized();
-    if (!(mean.dot(normals[2]) > kSameSide && mean.dot(normals[3]) > kSameSide)) return false;
+    if (!(mean.dot(normals[2]) > remeshing::kSameSide && mean.dot(normals[3]) > remeshing::kSameSide))
+      return false;
     const double least = std::min({sines[0], sines[1], std::sin(options_.least_angle)});
     if (sines[2] < least || sines[3] < least) return false;
     const double length = 0.25 * (state_.size[u] + state_.size[v] + state_.size[w] + state_.size[z]);
-    double before = shape_cost(sines[0], length) + shape_cost(sines[1], length);
-    double after = shape_cost(sines[2], length) + shape_cost(sines[3], length);
+    double before = weights_.of_shape(sines[0], length) + weights_.of_shape(sines[1], length);
+    double after = weights_.of_shape(sines[2], length) + weights_.of_shape(sines[3], length);
     int valences = 0;
     for (const auto& [vertex, change] : {std::pair{u, -1}, {v, -1}, {w, 1}, {z, 1}})
       if (state_.is_free(vertex)) {
@@ -579,16 +359,16 @@ class NormalFit {
         valences += (excess + change) * (excess + change) - excess * excess;
       }
     after += options_.valence * 0.433 * length * length * valences;
-    for (const int s : of_face_[f]) before += point_cost(sample(s), normals[0], pu, length);
-    for (const int s : of_face_[g]) before += point_cost(sample(s), normals[1], pu, length);
-    ring.first.clear();
-    ring.second.clear();
+    for (const int s : samples_.of_face(f)) before += weights_.of_point(samples_[s], normals[0], pu, length);
+    for (const int s : samples_.of_face(g)) before += weights_.of_point(samples_[s], normals[1], pu, length);
+    work.first.clear();
+    work.second.clear();
     const Vector3d across = cross(mean, pw - pz);  // points to u
     for (const int face : {f, g})
-      for (const int s : of_face_[face]) {
-        const bool at_u = across.dot(samples_[s].point - pz) > 0;
-        after += point_cost(sample(s), normals[at_u ? 2 : 3], pz, length);
-        (at_u ? ring.first : ring.second).push_back(s);
+      for (const int s : samples_.of_face(face)) {
+        const bool at_u = across.dot(samples_.point(s) - pz) > 0;
+        after += weights_.of_point(samples_[s], normals[at_u ? 2 : 3], pz, length);
+        (at_u ? work.first : work.second).push_back(s);
       }
     if (!(after < before * (1 - 1e-6) - 1e-12 * length * length)) return false;
     if (!mesh_.can_flip(h)) return false;  // last, since it walks around vertices
@@ -598,8 +378,8 @@ class NormalFit {
     ++valence_[w];
     ++valence_[z];
     const int face_of_u = mesh_.tip(h) == u ? f : g;
-    of_face_[face_of_u].swap(ring.first);
-    of_face_[face_of_u == f ? g : f].swap(ring.second);
+    samples_.of_face(face_of_u).swap(work.first);
+    samples_.of_face(face_of_u == f ? g : f).swap(work.second);
     for (const int vertex : {u, v, w, z}) next_[vertex] = kChanged;
     return true;
   }
@@ -610,17 +390,15 @@ class NormalFit {
   const Points& X_;
   const Triangles& T_;
   NormalFitOptions options_;
-  double shape_ = 0;                   ///< the weight now
+  remeshing::FitWeights weights_;      ///< the shape's changes from round to round
   std::vector<int> vertices_, faces_;  ///< in an order that keeps neighbours together
   std::vector<int> block_;             ///< per vertex
   std::vector<char> interior_;         ///< per vertex: all of its neighbours belong to its block
   int n_blocks_ = 0;
-  std::vector<SampledTriangle> pieces_;  ///< per triangle of the reference
-  std::vector<SamplePoint> samples_;
-  std::vector<std::vector<int>> of_face_;  ///< samples per face
-  std::vector<char> next_;                 ///< per vertex: to be looked at again
-  std::vector<char> exact_;                ///< per vertex: nothing was left to fit when last looked at
-  std::vector<int> valence_;               ///< per vertex
+  remeshing::FitSamples samples_;
+  std::vector<char> next_;    ///< per vertex: to be looked at again
+  std::vector<char> exact_;   ///< per vertex: nothing was left to fit when last looked at
+  std::vector<int> valence_;  ///< per vertex
   std::vector<std::array<char, 3>> creases_;
 };
 
