@@ -16,7 +16,7 @@ namespace batten::cli {
 namespace {
 
 struct RemeshArguments {
-  std::string in, out, edge, keep_edges = "30deg", method = "ar", sizes;
+  std::string in, out, edge, keep_edges = "30deg", keep_border = "curve", method = "ar", sizes;
   int vertices = 0, iterations = RemeshOptions{}.max_iterations;
   double adaptivity = RemeshOptions{}.adaptivity;
   bool repair = false;
@@ -38,6 +38,7 @@ Outcome run_remesh(const RemeshArguments& arguments, Context& context) {
   chosen.n_vertices = arguments.vertices;
   chosen.max_iterations = arguments.iterations;
   chosen.keep_edges = parse_angle(arguments.keep_edges);
+  chosen.hold_border = arguments.keep_border == "exact";
   if (!arguments.edge.empty()) options.edge_length = parse_length(arguments.edge);
   if (!arguments.sizes.empty()) {
     const auto found = mesh.vertex_values.find(arguments.sizes);
@@ -117,6 +118,10 @@ void add_remesh(CLI::App& app) {
         if (!(angle > 0 && angle <= kPi + 1e-9))
           throw InvalidInput("--keep-edges must lie above 0 and at most at 180deg: " + text);
       }));
+  command
+      ->add_option("--keep-border", arguments->keep_border,
+                   "curve: border vertices move along the border; exact: they all stay, so that tiles join")
+      ->check(CLI::IsMember({"curve", "exact"}));
   command->add_option("--method", arguments->method, "ar: adaptive remeshing; lf: Laplacian flow")
       ->check(CLI::IsMember(choice_words<RemeshMethod>()));
   command->add_option("--sizes", arguments->sizes,

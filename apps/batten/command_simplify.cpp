@@ -21,7 +21,7 @@ namespace {
 
 struct SimplifyArguments {
   std::string input, output, remove, error, method = "quadric", weight = "w3", fidelity = "adaptive";
-  std::string keep_edges = "off", levels_folder;
+  std::string keep_edges = "off", keep_border = "shape", levels_folder;
   long faces = 0;
   int levels = 3;
   bool repair = false;
@@ -93,6 +93,7 @@ SimplifiedMeshOptions options_of(const SimplifyArguments& arguments) {
   chosen.levels = arguments.levels;
   chosen.keep_levels = !arguments.levels_folder.empty();
   chosen.keep_edges = parse_keep_edges(arguments.keep_edges);
+  chosen.hold_border = arguments.keep_border == "exact";
   chosen.alpha = arguments.alpha;
   chosen.beta = arguments.beta;
   chosen.flow.p = arguments.p;
@@ -179,6 +180,11 @@ void add_simplify(CLI::App& app) {
       ->add_option("--keep-edges", arguments->keep_edges,
                    "Edges sharper than this angle stay edges (30deg), or off: as the error asks for it")
       ->check(parses("ANGLE|off", parse_keep_edges));
+  command
+      ->add_option(
+          "--keep-border", arguments->keep_border,
+          "shape: as far as the error asks for it; exact: border vertices all stay, so that tiles join")
+      ->check(CLI::IsMember({"shape", "exact"}));
   command->add_option("--p", arguments->p, "plaplacian: exponent of the flow, above 0 to 2")
       ->check(CLI::Range(1e-3, 2.0));
   command->add_option("--alpha", arguments->alpha, "plaplacian: exponent of the error in (2.100)")

@@ -54,7 +54,7 @@ TEST(Remesh, TakesEveryOption) {
 TEST(Remesh, TellsBadUsageAndBadInputApart) {
   write_file("square.off", square(4));
   for (const char* usage : {"--edge 0", "--edge 5% --vertices 100", "--adaptivity 2", "--keep-edges 0deg",
-                            "--keep-edges 200deg", "--method best", "--vertices 1"})
+                            "--keep-edges 200deg", "--keep-border no", "--method best", "--vertices 1"})
     EXPECT_EQ(run_batten(std::string("remesh square.off -o bad.ply ") + usage).exit_code, 2) << usage;
   EXPECT_EQ(run_batten("remesh square.off -o bad.xyz").exit_code, 2);
   EXPECT_EQ(run_batten("remesh square.off -o bad.ply --sizes none").exit_code, 3);

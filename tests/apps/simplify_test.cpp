@@ -51,7 +51,7 @@ TEST(SimplifyCommand, SaysWhatIsLeftAndHowFarItIsFromTheInput) {
 TEST(SimplifyCommand, TakesEveryOption) {
   write_file("torus.off", torus(10));
   for (const char* options :
-       {"--faces 200 --keep-edges 30deg", "--error 4%", "--error 0.1 --method quadric",
+       {"--faces 200 --keep-edges 30deg --keep-border exact", "--error 4%", "--error 0.1 --method quadric",
         "--remove 60% --method plaplacian --p 0.5 --alpha 1 --beta 0.5 --weight w1 --fidelity adaptive",
         "--remove 60% --method plaplacian --weight w2 --fidelity 10",
         "--remove 60% --method plaplacian --weight w3 --sigma 0.3 --levels 2"}) {

@@ -1,5 +1,7 @@
 #include "batten/remeshing/remesh.hpp"
 
+#include "mesh/shapes.hpp"
+#include "mesh/tiles.hpp"
 #include "remeshing/surfaces.hpp"
 #include "report_gaps.hpp"
 #include "threads.hpp"
@@ -126,6 +128,27 @@ TEST(Remesh, KeepsTheBorderOfASquare) {
   EXPECT_NEAR(area, n * n, 1e-9);
   EXPECT_EQ(result.mesh.positions.col(2).cwiseAbs().maxCoeff(), 0);
   EXPECT_EQ(result.report.corners, 4);
+}
+
+// Tiles of one sphere, remeshed apart to edges three times as long as those on their borders, and to half of
+// them: joined again they are a sphere without cracks, with every border edge where it was.
+TEST(Remesh, TilesWithHeldBordersJoinWithoutCracks) {
+  const TriangleMesh whole = fixtures::as_mesh(fixtures::sphere(12));
+  for (const double edge : {0.05, 0.35}) {
+    RemeshOptions options;
+    options.edge_length = edge;
+    options.hold_border = true;
+    TriangleMesh halves[2];
+    for (const bool upper : {false, true}) {
+      const TriangleMesh half = fixtures::half_at_x0(whole, upper);
+      halves[upper ? 1 : 0] = remesh(half, options).mesh;
+      EXPECT_EQ(fixtures::border_places(halves[upper ? 1 : 0]), fixtures::border_places(half)) << edge;
+      EXPECT_GT(smallest_angles(halves[upper ? 1 : 0]).mean, 40) << edge;
+    }
+    const TriangleMesh joined = fixtures::joined(halves[0], halves[1]);
+    EXPECT_TRUE(fixtures::border_places(joined).empty());
+    EXPECT_EQ(joined.n_vertices() * 2, joined.n_triangles() + 4);  // χ = 2
+  }
 }
 
 // Sizes given per vertex: edges near the fine side are shorter, in the wanted ratio.

@@ -1,6 +1,7 @@
 #include "batten/simplification/simplify.hpp"
 
 #include "mesh/shapes.hpp"
+#include "mesh/tiles.hpp"
 #include "remeshing/cad_parts.hpp"
 #include "report_gaps.hpp"
 #include "threads.hpp"
@@ -185,6 +186,30 @@ TEST(Simplify, AFlatSquareKeepsItsBorder) {
   EXPECT_NEAR(area(result.mesh), 1, 1e-4);
   EXPECT_NEAR(result.mesh.positions.col(0).minCoeff(), 0, 1e-4);
   EXPECT_NEAR(result.mesh.positions.col(1).maxCoeff(), 1, 1e-4);
+}
+
+// Tiles of one torus that know nothing of each other: joined again they are a torus without cracks, with
+// every border edge where it was. The cut is jagged, so that borders bend in all directions. Kept edges and
+// the thesis' method hold the border just so.
+TEST(Simplify, TilesWithHeldBordersJoinWithoutCracks) {
+  const TriangleMesh whole = torus(32);
+  SimplifyOptions options;
+  options.remove = 0.8;
+  options.hold_border = true;
+  for (const int kind : {0, 1, 2}) {
+    options.keep_edges = kind == 1 ? radians(25.0) : 0;
+    options.method = kind == 2 ? SimplifyMethod::PLaplacian : SimplifyMethod::Quadric;
+    TriangleMesh halves[2];
+    for (const bool upper : {false, true}) {
+      const TriangleMesh half = fixtures::half_at_x0(whole, upper);
+      halves[upper ? 1 : 0] = simplify(half, options).mesh;
+      EXPECT_EQ(fixtures::border_places(halves[upper ? 1 : 0]), fixtures::border_places(half));
+      EXPECT_LT(halves[upper ? 1 : 0].n_triangles(), half.n_triangles() / 2);
+    }
+    const TriangleMesh joined = fixtures::joined(halves[0], halves[1]);
+    EXPECT_TRUE(fixtures::border_places(joined).empty());
+    EXPECT_EQ(joined.n_vertices() * 2, joined.n_triangles());  // χ = 0
+  }
 }
 
 // Two parallel plates nearer to each other than their triangles are wide: the trap for collapses that look at

@@ -64,7 +64,8 @@ void add_flaws(const TriangleMesh& input, const RemeshOptions& options, Remeshed
   }
   const double asked = options.edge_length > 0 ? options.edge_length
                                                : mesh_quality(input.positions, input.triangles).mean_edge;
-  const bool by_length = options.n_vertices == 0 && options.sizes.size() == 0;
+  // A border that stays has edges of its own length, which the number of vertices takes into account.
+  const bool by_length = options.n_vertices == 0 && options.sizes.size() == 0 && !options.hold_border;
   const double mean_edge = result.quality.mean_edge;
   if (report.is_faceted && by_length) {
     if (!(std::abs(mean_edge - asked) <= 0.2 * asked))

@@ -93,6 +93,23 @@ void RemeshState::add_vertex(int v, double size_there, int chain_there, double p
   place[v] = place_there;
 }
 
+bool RemeshState::can_split(int h) const {
+  if (!hold_border) return true;
+  if (mesh.is_border_edge(h)) return false;
+  for (const int side : {h, mesh.opposite(h)})
+    for (const int beside : {HalfedgeMesh::next(side), HalfedgeMesh::prev(side)})
+      if (mesh.is_border_edge(beside) && !(edge_length(h) > edge_length(beside))) return false;
+  return true;
+}
+
+bool RemeshState::is_longest_of_its_faces(int h) const {
+  for (const int side : {h, mesh.opposite(h)})
+    if (side != kNone)
+      for (const int beside : {HalfedgeMesh::next(side), HalfedgeMesh::prev(side)})
+        if (edge_length(h) < edge_length(beside)) return false;
+  return true;
+}
+
 int RemeshState::split_in_the_middle(int h) {
   const int u = mesh.from(h), v = mesh.to(h);
   const double size_there = 0.5 * (size[u] + size[v]);
@@ -130,6 +147,8 @@ int RemeshState::refine(double ratio, bool lines_only, double turn, const Progre
     const auto [key, h] = edges.top();
     edges.pop();
     if (-key != edge_length(h) / wanted_length(h)) continue;  // was split since
+    // Where some edges must not be split, those beside them would be for ever.
+    if (hold_border && !(can_split(h) && is_longest_of_its_faces(h))) continue;
     const int m = split_in_the_middle(h);
     if (++splits % kEdgesPerReport == 0) progress.report("refine", 0);
     // The edges across from it were renumbered.
@@ -158,7 +177,7 @@ int RemeshState::split_long_edges(double ratio, const Progress& progress) {
     if (i % kEdgesPerReport == 0)
       progress.report("split", static_cast<double>(i) / static_cast<double>(edges.size()));
     const int h = edges[i].halfedge;
-    if (!(edge_length(h) > ratio * wanted_length(h))) continue;
+    if (!(edge_length(h) > ratio * wanted_length(h)) || !can_split(h)) continue;
     const int v = mesh.to(h);
     const int m = split_in_the_middle(h);
     ++splits;
@@ -174,10 +193,11 @@ std::vector<int> RemeshState::split_longest_edges(const std::vector<int>& faces)
   std::vector<int> added;
   for (const int f : faces) {
     if (is_cut[f] != 0) continue;
-    int longest = 3 * f;
-    for (int h = 3 * f + 1; h < 3 * f + 3; ++h)
-      if (edge_length(h) > edge_length(longest)) longest = h;
+    int longest = kNone;
+    for (int h = 3 * f; h < 3 * f + 3; ++h)
+      if (can_split(h) && (longest == kNone || edge_length(h) > edge_length(longest))) longest = h;
     is_cut[f] = 1;
+    if (longest == kNone) continue;
     if (!mesh.is_border_edge(longest)) {
       const int beside = HalfedgeMesh::face(mesh.opposite(longest));
       if (beside < static_cast<int>(is_cut.size())) is_cut[beside] = 1;

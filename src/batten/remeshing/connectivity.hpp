@@ -25,6 +25,7 @@ class RemeshState {
   std::vector<int> chain;     ///< per vertex: its feature chain, or kNone
   std::vector<double> place;  ///< per vertex on a chain: its arc length
   std::vector<int> corner;    ///< per vertex: the corner it is (a vertex of the input), never moved, or kNone
+  bool hold_border = false;   ///< edges on the border stay, see RemeshOptions
 
   bool is_free(int v) const { return chain[v] < 0 && corner[v] < 0; }
   double edge_length(int h) const { return (mesh.position(mesh.from(h)) - mesh.position(mesh.to(h))).norm(); }
@@ -40,12 +41,13 @@ class RemeshState {
   /// Splits edges longer than `ratio` times the wanted length, longest first. @return how many.
   int split_long_edges(double ratio, const Progress& progress = {});
   /// The same until no such edge is left: always the longest next, those across included, which ends because
-  /// every new edge is shorter than that. The surface stays where it is.
+  /// every new edge is shorter than that. Beside a border that is held, longer edges stay: those that are not
+  /// the longest of their faces. The surface stays where it is.
   /// @param lines_only features and edges between faces that turn by more than `turn` radians alone.
   /// @return how many.
   int refine(double ratio, bool lines_only, double turn, const Progress& progress = {});
-  /// Splits the longest edge of each face, unless that was done for a face before it. @return the new
-  /// vertices.
+  /// Splits the longest edge of each face that may be, unless that was done for a face before it. @return the
+  /// new vertices.
   std::vector<int> split_longest_edges(const std::vector<int>& faces);
   /// Collapses edges shorter than `ratio` times the wanted length, shortest first, where that makes no edge
   /// longer than `longest` times its wanted length, turns no face over and leaves features on their curves.
@@ -61,6 +63,10 @@ class RemeshState {
   int flip_flat_pieces(double turn);
 
  private:
+  /// A border that is held is not split, nor what is shorter beside it: that would make flatter and flatter
+  /// triangles on the same edge without end.
+  bool can_split(int h) const;
+  bool is_longest_of_its_faces(int h) const;
   /// Puts a vertex in the middle of h (of its part of the chain).
   int split_in_the_middle(int h);
   /// Collapses h so that its start goes (its end, where `reversed`), if that is allowed and sound.

@@ -239,6 +239,9 @@ FeatureChains mark_features(HalfedgeMesh& mesh, const FeatureOptions& options) {
   result.place_of_vertex.assign(n, 0.0);
   result.is_corner.assign(n, 0);
   const std::vector<char> on_curve = find_corners(mesh, options.corner_angle, result);
+  if (options.hold_border)
+    for (int v = 0; v < n; ++v)
+      if (mesh.has_vertex(v) && mesh.is_border_vertex(v)) result.is_corner[v] = 1;
   add_missing_corners(mesh, on_curve, result);
   collect_chains(mesh, on_curve, result);
   return result;

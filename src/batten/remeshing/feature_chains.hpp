@@ -42,6 +42,8 @@ struct FeatureOptions {
   /// Creases are followed beyond their ends while they fade, down to this fraction of crease_angle, where
   /// they stand out from the surface beside them; in (0, 1], 1 follows none.
   double fade = 1;
+  /// Every vertex on the border is a corner.
+  bool hold_border = false;
 
   /// The first problem found, naming field and value, or nothing.
   std::optional<std::string> problem() const;

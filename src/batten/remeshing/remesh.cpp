@@ -142,6 +142,22 @@ bool is_faceted(const HalfedgeMesh& mesh, double length, double crease_angle) {
   return coarse > 0.3 * area || static_cast<double>(ends) > 0.8 * mesh.n_vertices();
 }
 
+/// Sizes at a border that stays as it is are the lengths of its edges, as far as the gradation lets them.
+void fit_sizes_to_border(const HalfedgeMesh& mesh, Eigen::VectorXd& sizes) {
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(sizes.size()), edges = sum;
+  for (int h = 0; h < mesh.halfedge_capacity(); ++h) {
+    if (!mesh.has_halfedge(h) || !mesh.is_border_edge(h)) continue;
+    const double length = (mesh.position(mesh.from(h)) - mesh.position(mesh.to(h))).norm();
+    for (const int v : {mesh.from(h), mesh.to(h)}) {
+      sum[v] += length;
+      edges[v] += 1;
+    }
+  }
+  for (Eigen::Index v = 0; v < sizes.size(); ++v)
+    if (sum[v] > 0) sizes[v] = sum[v] / edges[v];
+  limit_gradation(mesh, kGradation, sizes);
+}
+
 /// The surface that the new triangles must follow, and the sizes on it.
 struct Reference {
   Points positions;
@@ -184,6 +200,7 @@ class Remesher {
     // Creases that end freely within a few edges are the roughness of a scan, not a design.
     feature_options.least_length = 4 * length;
     feature_options.fade = 0.5;
+    feature_options.hold_border = options.hold_border;
     if (options.keep_edges > kFacetAngle && options.keep_edges < kPi &&
         is_faceted(mesh, length, options.keep_edges)) {
       report_.is_faceted = true;
@@ -205,6 +222,7 @@ class Remesher {
       for (int v = 0; v < mesh.vertex_capacity(); ++v) sizes[v] = options.sizes[mesh.source_vertex(v)];
       if (options.n_vertices > 0) sizes *= std::sqrt(vertices_for_sizes(mesh, sizes) / options.n_vertices);
     }
+    if (options.hold_border) fit_sizes_to_border(mesh, sizes);
     target_vertices_ = options.n_vertices > 0 ? options.n_vertices : vertices_for_sizes(mesh, sizes);
     if (target_vertices_ > 1e8)
       throw InvalidInput(concat("an edge length of ", length, " would take ", target_vertices_,
@@ -213,6 +231,7 @@ class Remesher {
     reference_.emplace(mesh.compacted(), sizes);
     progress_.report("remeshing", 0);
     state_.emplace(std::move(mesh), features_, sizes);
+    state_->hold_border = options.hold_border;
   }
 
   RemeshResult run() {

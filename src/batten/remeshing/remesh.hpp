@@ -41,6 +41,10 @@ struct RemeshOptions {
   /// crease is followed beyond where it fades below the angle, to half of it, while it stands out.
   /// Radians, in (0, π]; π keeps only borders.
   double keep_edges = radians(30.0);
+  /// Border vertices all stay, bit for bit, and none come in between: pieces of one mesh that are remeshed
+  /// apart still meet. Beside a border with shorter edges the new ones are shorter too. false: vertices move
+  /// along the border curves.
+  bool hold_border = false;
   /// A wanted edge length per vertex of the input (n values, positive, unit of the mesh), or empty. Instead
   /// of curvature; scaled only where n_vertices is given.
   Eigen::VectorXd sizes;
@@ -56,10 +60,10 @@ struct RemeshOptions {
 
 struct RemeshReport {
   int iterations = 0;
-  bool converged = false;             ///< stopped by the tolerance
-  int feature_edges = 0;              ///< kept edges in the result, borders included
-  int split_vertices = 0;             ///< vertices added where fans of the input only touched
-  int corners = 0;                    ///< vertices that were never moved
+  bool converged = false;  ///< stopped by the tolerance
+  int feature_edges = 0;   ///< kept edges in the result, borders included
+  int split_vertices = 0;  ///< vertices added where fans of the input only touched
+  int corners = 0;  ///< vertices that were never moved; with `hold_border` all on the border are among them
   std::vector<double> area_variance;  ///< Var(A) / (N Ā²) of relative areas after every round
   double target_vertices = 0;
   bool is_faceted = false;  ///< the input was taken for a part of flat facets, all of which are kept

@@ -93,13 +93,15 @@ void visit_fields(FairingOptions& options, Visitor& visit) {
 
 template <typename Visitor>
 void visit_fields(RemeshOptions& options, Visitor& visit) {
-  auto& [method, edge_length, n_vertices, adaptivity, keep_edges, sizes, max_iterations, tolerance] = options;
+  auto& [method, edge_length, n_vertices, adaptivity, keep_edges, hold_border, sizes, max_iterations,
+         tolerance] = options;
   static_cast<void>(sizes);  // RemeshRequest names them instead
   visit("method", method);
   visit("edge_length", edge_length);
   visit("n_vertices", n_vertices);
   visit("adaptivity", adaptivity);
   visit("keep_edges", keep_edges);
+  visit("hold_border", hold_border);
   visit("max_iterations", max_iterations);
   visit("tolerance", tolerance);
 }
@@ -118,8 +120,8 @@ void visit_fields(PLaplacianOptions& options, Visitor& visit) {
 
 template <typename Visitor>
 void visit_fields(SimplifyOptions& options, Visitor& visit) {
-  auto& [method, faces, remove, max_error, levels, keep_levels, keep_history, keep_edges, alpha, beta, flow,
-         fit_rounds] = options;
+  auto& [method, faces, remove, max_error, levels, keep_levels, keep_history, keep_edges, hold_border, alpha,
+         beta, flow, fit_rounds] = options;
   visit("method", method);
   visit("faces", faces);
   visit("remove", remove);
@@ -128,6 +130,7 @@ void visit_fields(SimplifyOptions& options, Visitor& visit) {
   visit("keep_levels", keep_levels);
   visit("keep_history", keep_history);
   visit("keep_edges", keep_edges);
+  visit("hold_border", hold_border);
   visit("alpha", alpha);
   visit("beta", beta);
   visit("flow", flow);

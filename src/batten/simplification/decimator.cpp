@@ -167,7 +167,7 @@ Placement Decimator::place(int h) const {
   Vector3d y = middle;
   const Vector3d right = times(quadric_[v].m, e) + pull * middle;
   const double volume = sum_normal_[v].dot(e);
-  const Hold hold = options_.keep_marked ? held(h) : Hold::Free;
+  const Hold hold = held(h);
   if (hold == Hold::Never) return {std::numeric_limits<double>::infinity(), origin + middle};
   if (hold == Hold::From || hold == Hold::To) {
     y = hold == Hold::From ? Vector3d(Vector3d::Zero()) : e;
@@ -183,7 +183,7 @@ Placement Decimator::place(int h) const {
     if (!((y - middle).squaredNorm() < 9 * e.squaredNorm())) y = middle;
   }
   Placement placement;
-  placement.point = origin + y;
+  placement.point = hold == Hold::To ? mesh_.position(v) : Vector3d(origin + y);  // to the last bit
   const Vector3d ye = y - e;
   placement.cost = y.dot(times(A, y)) + ye.dot(times(quadric_[v].m, ye));
   // Flat pieces: the shortest edges first.
@@ -192,6 +192,13 @@ Placement Decimator::place(int h) const {
 }
 
 Decimator::Hold Decimator::held(int h) const {
+  if (options_.hold_border) {
+    const bool from = mesh_.is_border_vertex(mesh_.from(h)), to = mesh_.is_border_vertex(mesh_.to(h));
+    if (from && to) return Hold::Never;
+    // With marks the border is marked too, and the rules below hold it.
+    if (!options_.keep_marked && (from || to)) return from ? Hold::From : Hold::To;
+  }
+  if (!options_.keep_marked) return Hold::Free;
   const auto marks = [&](int v) {
     int n = 0;
     mesh_.for_each_outgoing(v, [&](int g) {

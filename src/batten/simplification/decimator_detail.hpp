@@ -24,6 +24,8 @@ struct DecimatorOptions {
   double least_cosine = 0.2;  ///< between the normals of a face before and after
   /// Collapses keep marked edges: their vertices move along them only, ends and crossings not at all.
   bool keep_marked = false;
+  /// No collapse moves or removes a vertex on the border.
+  bool hold_border = false;
   /// Order by (2.100) instead of by the error alone: positions whose distances are the lengths of edges,
   /// updated with every collapse, or null.
   std::vector<Eigen::Vector3d>* flowed = nullptr;
@@ -74,7 +76,7 @@ class Decimator {
   Placement place(int h) const;
   double order_of(int h, double cost) const;
   enum class Hold { Free, From, To, Never };
-  /// Where marked edges allow the vertex of a collapse to lie.
+  /// Where marked edges and the border allow the vertex of a collapse to lie.
   Hold held(int h) const;
   bool is_allowed(int h, const Eigen::Vector3d& p);
   void enqueue(int h) { enqueue(h, order_of(h, place(h).cost)); }

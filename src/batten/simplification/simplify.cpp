@@ -131,6 +131,7 @@ class Simplification {
   void collapse_to(Eigen::Index target) {
     DecimatorOptions options;
     options.keep_marked = options_.keep_edges > 0;
+    options.hold_border = options_.hold_border;
     std::vector<Vector3d> flowed;
     if (options_.method == SimplifyMethod::PLaplacian) {
       ScopedStage stage(result_.times, "flow");
@@ -261,7 +262,8 @@ class Simplification {
       result_.warnings.push_back(concat("stopped at ", mesh_.n_faces(), " of ", target,
                                         " faces: no edge can be collapsed without changing the topology, ",
                                         "folding a face or making the surface touch itself",
-                                        options_.keep_edges > 0 ? ", or leaving a kept edge" : ""));
+                                        options_.keep_edges > 0 ? ", or leaving a kept edge" : "",
+                                        options_.hold_border ? ", or moving the border" : ""));
   }
 
   const TriangleMesh& input_;

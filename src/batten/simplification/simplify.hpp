@@ -46,6 +46,9 @@ struct SimplifyOptions {
   /// Edges whose faces turn by more than this angle (radians, in (0, π)) stay edges: vertices on them move
   /// along them only. 0: they are kept only as far as the error asks for it, which it does where they matter.
   double keep_edges = 0;
+  /// Border vertices all stay, bit for bit, and no border edge goes: pieces of one mesh that are simplified
+  /// apart still meet. false: borders lose vertices as their shape allows.
+  bool hold_border = false;
   /// Exponents of error and length in (2.100); the p-Laplacian method only.
   double alpha = 1, beta = 1;
   /// The flow of the p-Laplacian method.
@@ -86,7 +89,8 @@ struct SimplifyResult {
 /// Edges are collapsed in the order of the volume and area they disturb (memoryless quadrics after
 /// [lindstrom1998], which hold the enclosed volume); the result is then fitted to the input in the
 /// least-squares sense. No collapse, move or flip folds a face, makes it degenerate, or makes it touch
-/// another: what does not intersect itself does not after. Topology and borders are kept.
+/// another: what does not intersect itself does not after. Topology and borders are kept, the
+/// latter in shape or, with `hold_border`, exactly.
 /// Values per vertex and normals are dropped.
 ///
 /// Vertices where several fans of faces meet are split, with a warning.
