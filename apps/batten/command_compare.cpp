@@ -96,7 +96,12 @@ Outcome run_compare(const CompareArguments& arguments, Context& context) {
     throw InvalidInput(concat("--distances needs a mesh to write to, but ", arguments.a, " is a network"));
   if (arguments.repair)
     for (Model* model : {&a, &b})
-      if (model->mesh) prepare_mesh(model->path, *model->mesh, outcome.warnings, true, context.progress);
+      if (model->mesh) {
+        MeshFile file{std::move(*model->mesh), std::move(model->attributes)};
+        prepare_mesh(model->path, file, outcome.warnings, true, context.progress);
+        model->mesh = std::move(file.mesh);
+        model->attributes = std::move(file.attributes);
+      }
   CompareOptions options;
   options.seed = arguments.seed;
   options.samples = arguments.samples;
@@ -106,7 +111,7 @@ Outcome run_compare(const CompareArguments& arguments, Context& context) {
   const Comparison& found = compared.distances;
   if (!arguments.distances.empty()) {
     const ScopedStage stage(outcome.times, "write");
-    write_mesh(arguments.distances, measured_mesh(*a.mesh, found));
+    write_made_mesh(arguments.distances, measured_mesh(*a.mesh, found), {{}, a.attributes}, true, outcome);
   }
 
   Json& figures = outcome.figures;

@@ -94,10 +94,11 @@ void convert_network(CurveNetwork network, const ConvertArguments& arguments, co
                                  topology.nodes.size(), " nodes, ", network.positions.rows(), " vertices"));
 }
 
-void convert_mesh(const TriangleMesh& mesh, const ConvertArguments& arguments, Outcome& outcome) {
+void convert_mesh(const MeshFile& file, const ConvertArguments& arguments, Outcome& outcome) {
   require(arguments.resample.empty() && arguments.weld.empty() && !arguments.sketch,
           "--resample, --weld and --sketch are for networks; " + arguments.in + " is a mesh");
   const MeshFormat format = mesh_format(arguments.out);
+  const TriangleMesh& mesh = file.mesh;
   MeshWriteOptions options;
   options.ascii = arguments.ascii;
   if (!arguments.unit.empty()) {
@@ -108,9 +109,10 @@ void convert_mesh(const TriangleMesh& mesh, const ConvertArguments& arguments, O
           arguments.out, " cannot say its unit: its numbers stay those of the input, in ", arguments.unit));
   }
   for (const std::string& loss : losses_in_format(mesh, format, options)) outcome.warnings.push_back(loss);
+  for (const std::string& loss : losses_in_format(file.attributes, format)) outcome.warnings.push_back(loss);
   {
     ScopedStage stage(outcome.times, "write");
-    write_mesh(arguments.out, mesh, options);
+    write_mesh_file(arguments.out, file, options);
   }
   outcome.figures["kind"] = "mesh";
   outcome.figures["vertices"] = mesh.n_vertices();
@@ -219,7 +221,7 @@ Outcome run_convert(const ConvertArguments& arguments, const Context& context) {
     model = read_model(arguments.in, outcome.warnings);
   }
   if (model.mesh)
-    convert_mesh(*model.mesh, arguments, outcome);
+    convert_mesh({std::move(*model.mesh), std::move(model.attributes)}, arguments, outcome);
   else
     convert_network(std::move(*model.network), arguments, context, outcome);
   return outcome;

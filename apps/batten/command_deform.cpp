@@ -34,18 +34,19 @@ DeformedMeshOptions options_of(const DeformArguments& arguments) {
 Outcome run_deform(const DeformArguments& arguments, Context& context) {
   Outcome outcome;
   mesh_format(arguments.out);
-  TriangleMesh mesh;
+  MeshFile input;
   Handles handles;
   {
     const ScopedStage stage(outcome.times, "read");
-    mesh = read_mesh_to_process(arguments.in, outcome.warnings, arguments.repair, context.progress);
-    handles = read_handles(arguments.handles, mesh.positions);
+    input = read_mesh_to_process(arguments.in, outcome.warnings, arguments.repair, context.progress);
+    handles = read_handles(arguments.handles, input.mesh.positions);
   }
+  const TriangleMesh& mesh = input.mesh;
   const DeformedMesh result = deformed_mesh(mesh, handles, options_of(arguments), context.progress);
   add_run(result.times, result.warnings, outcome);
   {
     const ScopedStage stage(outcome.times, "write");
-    write_mesh(arguments.out, result.mesh);
+    write_made_mesh(arguments.out, result.mesh, input, true, outcome);
   }
   Json& figures = outcome.figures;
   figures["vertices"] = mesh.n_vertices();

@@ -31,12 +31,13 @@ double parse_noise(const std::string& text) {
 
 Outcome run_fair(const FairArguments& arguments, Context& context) {
   Outcome outcome;
-  TriangleMesh mesh;
+  MeshFile input;
   {
     const ScopedStage stage(outcome.times, "read");
     mesh_format(arguments.output);  // an extension that cannot be written is refused before the work
-    mesh = read_mesh_to_process(arguments.input, outcome.warnings, arguments.repair, context.progress);
+    input = read_mesh_to_process(arguments.input, outcome.warnings, arguments.repair, context.progress);
   }
+  const TriangleMesh& mesh = input.mesh;
   FairingOptions options;
   options.method = parse_choice<FairingMethod>(arguments.method);
   options.noise = parse_noise(arguments.noise);
@@ -46,7 +47,7 @@ Outcome run_fair(const FairArguments& arguments, Context& context) {
   add_run(faired.times, faired.warnings, outcome);
   {
     const ScopedStage stage(outcome.times, "write");
-    write_mesh(arguments.output, faired.mesh);
+    write_made_mesh(arguments.output, faired.mesh, input, true, outcome);
   }
   const std::string strategy(faired.strategy ? word_of(*faired.strategy) : word_of(options.method));
   Json& figures = outcome.figures;

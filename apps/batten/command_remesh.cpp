@@ -26,11 +26,12 @@ struct RemeshArguments {
 Outcome run_remesh(const RemeshArguments& arguments, Context& context) {
   Outcome outcome;
   mesh_format(arguments.out);
-  TriangleMesh mesh;
+  MeshFile input;
   {
     const ScopedStage stage(outcome.times, "read");
-    mesh = read_mesh_to_process(arguments.in, outcome.warnings, arguments.repair, context.progress);
+    input = read_mesh_to_process(arguments.in, outcome.warnings, arguments.repair, context.progress);
   }
+  const TriangleMesh& mesh = input.mesh;
   RemeshedMeshOptions options;
   RemeshOptions& chosen = options.remesh;
   chosen.method = parse_choice<RemeshMethod>(arguments.method);
@@ -52,7 +53,7 @@ Outcome run_remesh(const RemeshArguments& arguments, Context& context) {
   const bool is_written = result.flaws.empty() || arguments.accept_flaws;
   if (is_written) {
     const ScopedStage stage(outcome.times, "write");
-    write_mesh(arguments.out, result.mesh);
+    write_made_mesh(arguments.out, result.mesh, input, false, outcome);
   }
   const RemeshMeasures& measures = result.measures;
   const MeshQuality& quality = result.quality;

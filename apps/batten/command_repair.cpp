@@ -60,11 +60,12 @@ Outcome run_repair(const RepairArguments& arguments, Context& context) {
   set_weld(arguments.weld, options);
   options.orient = arguments.orient;
   options.fill_holes = parse_fill_holes(arguments.fill_holes);
-  TriangleMesh mesh;
+  MeshFile input;
   {
     const ScopedStage stage(outcome.times, "read");
-    mesh = read_mesh(arguments.input, &outcome.warnings);
+    input = read_mesh_file(arguments.input, &outcome.warnings);
   }
+  const TriangleMesh& mesh = input.mesh;
   RepairedMesh repaired;
   try {
     repaired = repaired_mesh(mesh, options, context.progress);
@@ -75,7 +76,7 @@ Outcome run_repair(const RepairArguments& arguments, Context& context) {
   const bool is_written = repaired.flaws.empty() || arguments.accept_flaws;
   if (is_written) {
     const ScopedStage stage(outcome.times, "write");
-    write_mesh(arguments.output, repaired.mesh);
+    write_made_mesh(arguments.output, repaired.mesh, input, false, outcome);
   }
   Json& figures = outcome.figures;
   figures["vertices"] = repaired.mesh.n_vertices();

@@ -110,18 +110,19 @@ Outcome run_simplify(const SimplifyArguments& arguments, Context& context) {
   if (criteria != 1)
     throw CLI::ValidationError("simplify", "give exactly one of --faces, --remove and --error");
   mesh_format(arguments.output);  // an unknown extension fails before the work, not after it
-  TriangleMesh mesh;
+  MeshFile input;
   {
     const ScopedStage stage(outcome.times, "read");
-    mesh = read_mesh_to_process(arguments.input, outcome.warnings, arguments.repair, context.progress);
+    input = read_mesh_to_process(arguments.input, outcome.warnings, arguments.repair, context.progress);
   }
+  const TriangleMesh& mesh = input.mesh;
   const SimplifiedMeshOptions options = options_of(arguments);
   const SimplifiedMesh result = simplified_mesh(mesh, options, context.progress);
   add_run(result.times, result.warnings, outcome);
   const TriangleMesh& small = result.simplified.mesh;
   {
     const ScopedStage stage(outcome.times, "write");
-    write_mesh(arguments.output, small);
+    write_made_mesh(arguments.output, small, input, false, outcome);
     if (options.simplify.keep_levels)
       write_levels(arguments.levels_folder, level_meshes(mesh, result.simplified.levels), outcome);
   }

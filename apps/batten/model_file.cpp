@@ -29,6 +29,11 @@ bool has_faces(std::string_view text) {
   return false;
 }
 
+void take(MeshFile&& file, Model& model) {
+  model.mesh = std::move(file.mesh);
+  model.attributes = std::move(file.attributes);
+}
+
 }  // namespace
 
 Model read_model(const std::string& path, std::vector<std::string>& warnings) {
@@ -44,34 +49,52 @@ Model read_model(const std::string& path, std::vector<std::string>& warnings) {
   } else if (extension == "obj") {
     std::string content = read_file(path);
     if (has_faces(content))
-      model.mesh = parse_mesh(std::move(content), path, &told);
+      take(parse_mesh_file(std::move(content), path, &told), model);
     else
       model.network = parse_network(std::move(content), path, &told);
   } else {
-    model.mesh = read_mesh(path, &told);
+    take(read_mesh_file(path, &told), model);
   }
   for (const std::string& warning : told) warnings.push_back(concat(path, ": ", warning));
   return model;
 }
 
-TriangleMesh read_mesh_to_process(const std::string& path, std::vector<std::string>& warnings, bool repair,
-                                  const Progress& progress) {
-  TriangleMesh mesh = read_mesh(path, &warnings);
-  if (const auto problem = mesh_problem(mesh)) throw InvalidInput(concat(path, ": ", *problem));
-  prepare_mesh(path, mesh, warnings, repair, progress);
-  return mesh;
+MeshFile read_mesh_to_process(const std::string& path, std::vector<std::string>& warnings, bool repair,
+                              const Progress& progress) {
+  MeshFile file = read_mesh_file(path, &warnings);
+  if (const auto problem = mesh_problem(file.mesh)) throw InvalidInput(concat(path, ": ", *problem));
+  prepare_mesh(path, file, warnings, repair, progress);
+  return file;
 }
 
-void prepare_mesh(const std::string& path, TriangleMesh& mesh, std::vector<std::string>& warnings,
-                  bool repair, const Progress& progress) {
+void prepare_mesh(const std::string& path, MeshFile& file, std::vector<std::string>& warnings, bool repair,
+                  const Progress& progress) {
   if (!repair) {
-    if (const auto note = weld_soup(mesh)) warnings.push_back(concat(path, ": ", *note));
+    if (file.mesh.n_vertices() < file.mesh.n_triangles()) return;  // no soup
+    TriangleMesh welded = file.mesh;
+    const auto note = weld_soup(welded);
+    if (!note) return;
+    warnings.push_back(concat(path, ": ", *note));
+    if (welded.n_triangles() != file.mesh.n_triangles())
+      file.attributes = carried_attributes(file, welded, warnings, progress);
+    file.mesh = std::move(welded);
     return;
   }
-  RepairedMesh repaired = repaired_mesh(mesh, {}, progress);
-  mesh = std::move(repaired.mesh);
+  RepairedMesh repaired = repaired_mesh(file.mesh, {}, progress);
+  file.attributes = carried_attributes(file, repaired.mesh, warnings, progress);
+  file.mesh = std::move(repaired.mesh);
   for (const std::string& done : repaired.done) warnings.push_back(concat(path, " repaired: ", done));
   for (const std::string& flaw : repaired.flaws) warnings.push_back(concat(path, " not repaired: ", flaw));
+}
+
+void write_made_mesh(const std::string& path, TriangleMesh mesh, const MeshFile& input, bool same_faces,
+                     Outcome& outcome) {
+  MeshFile made{std::move(mesh), {}};
+  made.attributes =
+      same_faces ? input.attributes : carried_attributes(input, made.mesh, outcome.warnings, {});
+  for (const std::string& loss : losses_in_format(made.attributes, mesh_format(path)))
+    outcome.warnings.push_back(concat(path, ": ", loss));
+  write_mesh_file(path, made);
 }
 
 void add_repair_flag(CLI::App& command, bool& repair) {

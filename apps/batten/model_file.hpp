@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "batten/io/mesh_attributes.hpp"
 #include "batten/mesh/shape.hpp"
 #include "batten/mesh/triangle_mesh.hpp"
 #include "batten/network/curve_network.hpp"
@@ -15,6 +16,7 @@ namespace batten::cli {
 struct Model {
   std::string path;
   std::optional<TriangleMesh> mesh;
+  MeshAttributes attributes;  ///< of the mesh
   std::optional<CurveNetwork> network;
 
   const Points& positions() const { return mesh ? mesh->positions : network->positions; }
@@ -24,15 +26,21 @@ struct Model {
 /// @throws FileError as the readers; for a scan, with the advice to make a network of it first.
 Model read_model(const std::string& path, std::vector<std::string>& warnings);
 
-/// Reads a mesh to be processed. A soup of triangles is welded; with `repair` everything is mended that
-/// `batten repair` mends without options. What was done is told in the warnings.
+/// Reads a mesh to be processed, with what its file says beyond the triangles. A soup of triangles is welded;
+/// with `repair` everything is mended that `batten repair` mends without options. What was done is told in
+/// the warnings.
 /// @throws FileError as the readers; InvalidInput with what mesh_problem() says.
-TriangleMesh read_mesh_to_process(const std::string& path, std::vector<std::string>& warnings, bool repair,
-                                  const Progress& progress);
+MeshFile read_mesh_to_process(const std::string& path, std::vector<std::string>& warnings, bool repair,
+                              const Progress& progress);
 
 /// The same for a mesh that has been read.
-void prepare_mesh(const std::string& path, TriangleMesh& mesh, std::vector<std::string>& warnings,
-                  bool repair, const Progress& progress);
+void prepare_mesh(const std::string& path, MeshFile& file, std::vector<std::string>& warnings, bool repair,
+                  const Progress& progress);
+
+/// Writes a mesh made of `input` with the attributes of that: as they are where `same_faces`, else those of
+/// carried_attributes(). What is dropped on the way and what the format cannot hold of them is told.
+void write_made_mesh(const std::string& path, TriangleMesh mesh, const MeshFile& input, bool same_faces,
+                     Outcome& outcome);
 
 /// Adds --repair.
 void add_repair_flag(CLI::App& command, bool& repair);

@@ -121,6 +121,32 @@ std::string hand_made_ply(bool big) {
   return bytes;
 }
 
+// Other programs look for bytes. What bytes cannot hold exactly stays as it is: fractions, and values of 0
+// and 1 that may be fractions.
+TEST(MeshIo, PlyWritesColoursAsBytesWhereTheyAre) {
+  TriangleMesh mesh = random_mesh();
+  const auto set = [&](const std::string& name, double step) {
+    mesh.vertex_values[name] = step * Eigen::VectorXd::LinSpaced(7, 0, 6);
+  };
+  set("red", 42), set("green", 1), set("blue", 0), set("alpha", 1 / 6.0), set("label", 3);
+  for (const bool ascii : {false, true}) {
+    MeshWriteOptions options;
+    options.ascii = ascii;
+    const std::string text = format_mesh(mesh, MeshFormat::Ply, options);
+    EXPECT_NE(text.find("property uchar red\nproperty uchar green\nproperty uchar blue\n"
+                        "property double alpha\nproperty double label\n"),
+              std::string::npos);
+    EXPECT_EQ(through(mesh, MeshFormat::Ply, "a.ply", ascii).vertex_values, mesh.vertex_values);
+  }
+  for (const auto& [most, type] : {std::pair{255.0, "uchar"}, {256.0, "double"}, {1.0, "double"}}) {
+    mesh.vertex_values["red"] = Eigen::VectorXd::Zero(7);
+    mesh.vertex_values["red"](3) = most;
+    EXPECT_NE(format_mesh(mesh, MeshFormat::Ply).find(std::string("property ") + type + " red\n"),
+              std::string::npos)
+        << most;
+  }
+}
+
 TEST(MeshIo, PlyReadsBothByteOrdersAndSkipsWhatItDoesNotKnow) {
   for (const bool big : {false, true}) {
     std::vector<std::string> warnings;

@@ -45,17 +45,6 @@ TEST(RemeshedMesh, RelativeEdgeLengthsAreOfTheDiameter) {
   EXPECT_NEAR(by_part.quality.mean_edge, absolute.edge_length->value, 0.1 * absolute.edge_length->value);
 }
 
-TEST(RemeshedMesh, TellsThatValuesAreDroppedUnlessTheyAreTheSizes) {
-  TriangleMesh mesh = torus();
-  mesh.vertex_values["size"] = Eigen::VectorXd::Constant(mesh.n_vertices(), 0.5);
-  RemeshedMeshOptions options;
-  options.remesh.max_iterations = 1;
-  ASSERT_EQ(remeshed_mesh(mesh, options).warnings.size(), 1u);
-  EXPECT_NE(remeshed_mesh(mesh, options).warnings[0].find("values per vertex"), std::string::npos);
-  options.remesh.sizes = mesh.vertex_values["size"];
-  EXPECT_TRUE(remeshed_mesh(mesh, options).warnings.empty());
-}
-
 TEST(RemeshedMesh, BadOptionsAreNamedAndWorkIsCancelled) {
   const auto names = [](const RemeshedMeshOptions& options, const std::string& field) {
     EXPECT_NE(options.problem().value_or("").find(field), std::string::npos)

@@ -49,16 +49,6 @@ TEST(SimplifiedMesh, RelativeErrorsAreOfTheDiameter) {
   EXPECT_LE(by_part.distances.a_to_b.samples.max, 1.05 * 0.005 * by_part.diameter);
 }
 
-TEST(SimplifiedMesh, TellsWhatIsDropped) {
-  TriangleMesh mesh = hill();
-  mesh.vertex_values["any"] = Eigen::VectorXd::Zero(mesh.n_vertices());
-  SimplifiedMeshOptions options;
-  options.simplify.remove = 0.5;
-  const SimplifiedMesh result = simplified_mesh(mesh, options);
-  ASSERT_EQ(result.warnings.size(), 1u);
-  EXPECT_NE(result.warnings[0].find("dropped"), std::string::npos);
-}
-
 TEST(LevelMeshes, MapToTheNextCoarserLevel) {
   TriangleMesh mesh = hill();
   mesh.vertex_values["any"] = Eigen::VectorXd::Zero(mesh.n_vertices());

@@ -1,5 +1,6 @@
 #include "batten/io/mesh_io.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -60,13 +61,21 @@ std::string_view without_comment(std::string_view line) {
   return line.substr(0, line.find('#'));
 }
 
-void add_face(RawMesh& mesh, const std::vector<int>& corners) {
+void append_row(std::string& text, const Points& rows, Eigen::Index row) {
+  for (int k = 0; k < 3; ++k) {
+    if (k > 0) text += ' ';
+    text += exact_decimal(rows(row, k));
+  }
+}
+
+bool add_face(RawMesh& mesh, const std::vector<int>& corners) {
   if (corners.size() < 3) {
     ++mesh.n_short_faces;
-    return;
+    return false;
   }
   mesh.faces.corners.insert(mesh.faces.corners.end(), corners.begin(), corners.end());
   mesh.faces.offsets.push_back(static_cast<int>(mesh.faces.corners.size()));
+  return true;
 }
 
 namespace {
@@ -113,7 +122,43 @@ void finish_normals(TriangleMesh& mesh, std::vector<std::string>& warnings) {
 
 }  // namespace
 
-TriangleMesh finished_mesh(RawMesh&& raw, const std::string& path, std::vector<std::string>* warnings) {
+/// Attributes of polygons to their triangles, which follow each other as the polygons do.
+static MeshAttributes finished_attributes(RawMesh& raw, const Triangles& triangles) {
+  MeshAttributes result = std::move(raw.attributes);
+  std::vector<int> polygon_of;
+  const PolygonMesh& faces = raw.faces;
+  for (size_t f = 0; f + 1 < faces.offsets.size(); ++f)
+    polygon_of.insert(polygon_of.end(), static_cast<size_t>(faces.offsets[f + 1] - faces.offsets[f] - 2),
+                      static_cast<int>(f));
+  for (const std::vector<double>& values : raw.face_values) {
+    Eigen::VectorXd of_triangles(triangles.rows());
+    for (Eigen::Index t = 0; t < triangles.rows(); ++t)
+      of_triangles(t) = values[static_cast<size_t>(polygon_of[static_cast<size_t>(t)])];
+    result.face_values.push_back(std::move(of_triangles));
+  }
+  for (MeshAttributes::Labels* labels : {&result.objects, &result.groups, &result.materials}) {
+    if (labels->words.empty()) labels->of_face.clear();
+    if (labels->of_face.empty()) continue;
+    std::vector<int> of_face;
+    for (const int f : polygon_of) of_face.push_back(labels->of_face[static_cast<size_t>(f)]);
+    labels->of_face = std::move(of_face);
+  }
+  if (raw.texture.empty()) return result;
+  result.texture = Eigen::Map<const decltype(result.texture)>(
+      raw.texture.data(), static_cast<Eigen::Index>(raw.texture.size() / 2), 2);
+  result.texture_corners.setConstant(triangles.rows(), 3, -1);
+  for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
+    const auto f = static_cast<size_t>(polygon_of[static_cast<size_t>(t)]);
+    for (int k = 0; k < 3; ++k)
+      for (int c = faces.offsets[f]; c < faces.offsets[f + 1]; ++c)
+        if (faces.corners[static_cast<size_t>(c)] == triangles(t, k))
+          result.texture_corners(t, k) = raw.corner_texture[static_cast<size_t>(c)];
+  }
+  return result;
+}
+
+TriangleMesh finished_mesh(RawMesh&& raw, const std::string& path, std::vector<std::string>* warnings,
+                           MeshAttributes* attributes) {
   std::vector<std::string> notes = std::move(raw.warnings);
   if (raw.positions.empty()) throw FileError(path, 0, "holds no vertices, expected a mesh");
   const size_t n_faces = raw.faces.offsets.size() - 1;
@@ -139,6 +184,10 @@ TriangleMesh finished_mesh(RawMesh&& raw, const std::string& path, std::vector<s
     notes.push_back(concat(n_polygons, " of ", n_faces,
                            " faces have more than three corners and were split into triangles"));
   }
+  if (attributes != nullptr)
+    *attributes = finished_attributes(raw, mesh.triangles);
+  else if (!raw.texture.empty())
+    notes.push_back(concat(raw.texture.size() / 2, " texture coordinates were left out"));
   if (raw.n_short_faces > 0)
     notes.push_back(concat(raw.n_short_faces, " faces with fewer than three corners were left out"));
   if (!raw.polylines.empty())
@@ -196,86 +245,16 @@ const char* name_of(MeshFormat format) {
   return "";
 }
 
-void append_row(std::string& text, const Points& rows, Eigen::Index row) {
-  for (int k = 0; k < 3; ++k) {
-    if (k > 0) text += ' ';
-    text += exact_decimal(rows(row, k));
-  }
-}
-
 bool has_normals(const TriangleMesh& mesh) {
   return mesh.normals.rows() > 0;
-}
-
-/// A property name is one token; anything else in it would break the header.
-std::string property_name(const std::string& name) {
-  std::string safe;
-  for (const char c : name) safe += static_cast<unsigned char>(c) > 32 ? c : '_';
-  return safe.empty() ? "value" : safe;
-}
-
-std::string ply_text(const TriangleMesh& mesh, bool ascii) {
-  std::string text = concat("ply\nformat ", ascii ? "ascii" : "binary_little_endian",
-                            " 1.0\ncomment Batten\nelement vertex ", mesh.n_vertices(),
-                            "\nproperty double x\nproperty double y\nproperty double z\n");
-  if (has_normals(mesh)) text += "property double nx\nproperty double ny\nproperty double nz\n";
-  for (const auto& [name, values] : mesh.vertex_values)
-    text += concat("property double ", property_name(name), "\n");
-  text +=
-      concat("element face ", mesh.n_triangles(), "\nproperty list uchar int vertex_indices\nend_header\n");
-  for (Eigen::Index v = 0; v < mesh.n_vertices(); ++v) {
-    if (ascii) {
-      append_row(text, mesh.positions, v);
-      if (has_normals(mesh)) append_row(text += ' ', mesh.normals, v);
-      for (const auto& [name, values] : mesh.vertex_values) (text += ' ') += exact_decimal(values(v));
-      text += '\n';
-    } else {
-      for (int k = 0; k < 3; ++k) detail::append_little_endian(text, mesh.positions(v, k));
-      if (has_normals(mesh))
-        for (int k = 0; k < 3; ++k) detail::append_little_endian(text, mesh.normals(v, k));
-      for (const auto& [name, values] : mesh.vertex_values) detail::append_little_endian(text, values(v));
-    }
-  }
-  for (Eigen::Index f = 0; f < mesh.n_triangles(); ++f) {
-    if (ascii) {
-      text += concat("3 ", mesh.triangles(f, 0), ' ', mesh.triangles(f, 1), ' ', mesh.triangles(f, 2), '\n');
-    } else {
-      text += '\3';
-      for (int k = 0; k < 3; ++k)
-        detail::append_little_endian(text, static_cast<std::uint32_t>(mesh.triangles(f, k)));
-    }
-  }
-  return text;
-}
-
-std::string obj_text(const TriangleMesh& mesh) {
-  std::string text = "# Batten\n";
-  for (Eigen::Index v = 0; v < mesh.n_vertices(); ++v) {
-    append_row(text += "v ", mesh.positions, v);
-    text += '\n';
-  }
-  for (Eigen::Index v = 0; v < mesh.normals.rows(); ++v) {
-    append_row(text += "vn ", mesh.normals, v);
-    text += '\n';
-  }
-  for (Eigen::Index f = 0; f < mesh.n_triangles(); ++f) {
-    text += 'f';
-    for (int k = 0; k < 3; ++k) {
-      const std::string corner = std::to_string(mesh.triangles(f, k) + 1);
-      (text += ' ') += corner;
-      if (has_normals(mesh)) (text += "//") += corner;
-    }
-    text += '\n';
-  }
-  return text;
 }
 
 std::string off_text(const TriangleMesh& mesh) {
   std::string text =
       concat(has_normals(mesh) ? "NOFF\n" : "OFF\n", mesh.n_vertices(), ' ', mesh.n_triangles(), " 0\n");
   for (Eigen::Index v = 0; v < mesh.n_vertices(); ++v) {
-    append_row(text, mesh.positions, v);
-    if (has_normals(mesh)) append_row(text += ' ', mesh.normals, v);
+    detail::append_row(text, mesh.positions, v);
+    if (has_normals(mesh)) detail::append_row(text += ' ', mesh.normals, v);
     text += '\n';
   }
   for (Eigen::Index f = 0; f < mesh.n_triangles(); ++f)
@@ -297,10 +276,10 @@ std::string stl_text(const TriangleMesh& mesh, bool ascii) {
     text = "solid batten\n";
     for (Eigen::Index f = 0; f < mesh.n_triangles(); ++f) {
       const Points n = unit_normal(mesh, f);
-      append_row(text += "facet normal ", n, 0);
+      detail::append_row(text += "facet normal ", n, 0);
       text += "\n outer loop\n";
       for (int k = 0; k < 3; ++k) {
-        append_row(text += "  vertex ", mesh.positions, mesh.triangles(f, k));
+        detail::append_row(text += "  vertex ", mesh.positions, mesh.triangles(f, k));
         text += '\n';
       }
       text += " endloop\nendfacet\n";
@@ -326,6 +305,19 @@ std::string stl_text(const TriangleMesh& mesh, bool ascii) {
   return text;
 }
 
+}  // namespace
+
+MeshFormat mesh_format(std::string_view path) {
+  MeshFormat format = MeshFormat::Ply;
+  if (!format_of_extension(output_extension(path, "ply"), format))
+    throw UnknownExtension(path,
+                           "is no mesh file by its extension; use .ply, .obj, .off, .stl, .glb or .3mf");
+  if (file_extension(path) == "gltf") throw UnknownExtension(path, "is read and not written; use .glb");
+  return format;
+}
+
+namespace detail {
+
 void check_arrays(const TriangleMesh& mesh) {
   const Eigen::Index n = mesh.n_vertices();
   for (Eigen::Index f = 0; f < mesh.n_triangles(); ++f)
@@ -346,19 +338,6 @@ void refuse_compressed(const std::string& path) {
   if (path.size() > 3 && path.compare(path.size() - 3, 3, ".gz") == 0)
     throw FileError(path, 0, "compressed files are read but not written; leave out .gz");
 }
-
-}  // namespace
-
-MeshFormat mesh_format(std::string_view path) {
-  MeshFormat format = MeshFormat::Ply;
-  if (!format_of_extension(output_extension(path, "ply"), format))
-    throw UnknownExtension(path,
-                           "is no mesh file by its extension; use .ply, .obj, .off, .stl, .glb or .3mf");
-  if (file_extension(path) == "gltf") throw UnknownExtension(path, "is read and not written; use .glb");
-  return format;
-}
-
-namespace detail {
 
 std::optional<MeshFormat> shown_mesh_format(std::string_view content) {
   if (content.substr(0, 3) == "\xEF\xBB\xBF") content.remove_prefix(3);
@@ -419,12 +398,12 @@ TriangleMesh read_mesh(const std::string& path, std::vector<std::string>* warnin
 }
 
 std::string format_mesh(const TriangleMesh& mesh, MeshFormat format, const MeshWriteOptions& options) {
-  check_arrays(mesh);
+  detail::check_arrays(mesh);
   switch (format) {
     case MeshFormat::Ply:
-      return ply_text(mesh, options.ascii);
+      return detail::ply_text(mesh, {}, options.ascii);
     case MeshFormat::Obj:
-      return obj_text(mesh);
+      return detail::obj_text(mesh, {});
     case MeshFormat::Off:
       return off_text(mesh);
     case MeshFormat::Stl:
@@ -438,7 +417,7 @@ std::string format_mesh(const TriangleMesh& mesh, MeshFormat format, const MeshW
 }
 
 void write_mesh(const std::string& path, const TriangleMesh& mesh, const MeshWriteOptions& options) {
-  refuse_compressed(path);
+  detail::refuse_compressed(path);
   write_file(path, format_mesh(mesh, mesh_format(path), options));
 }
 
@@ -457,7 +436,9 @@ std::vector<std::string> losses_in_format(const TriangleMesh& mesh, MeshFormat f
   std::string names;
   for (const auto& [name, values] : mesh.vertex_values) {
     const bool colour = name == "red" || name == "green" || name == "blue";
-    if (format != MeshFormat::Gltf || !colour) names += (names.empty() ? "" : ", ") + name;
+    const bool holds_colour =
+        format == MeshFormat::Gltf || (format == MeshFormat::Obj && detail::has_byte_colours(mesh));
+    if (!holds_colour || !colour) names += (names.empty() ? "" : ", ") + name;
   }
   if (!names.empty()) {
     losses.push_back(

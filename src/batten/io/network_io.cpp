@@ -34,13 +34,6 @@ std::string_view next_content(LineReader& reader) {
   return {};
 }
 
-void append_row(std::string& text, const Points& rows, Eigen::Index row) {
-  for (int k = 0; k < 3; ++k) {
-    if (k > 0) text += ' ';
-    text += exact_decimal(rows(row, k));
-  }
-}
-
 /// One line: control characters would end it.
 std::string one_line(std::string text) {
   for (char& c : text)

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <limits>
 
 #include "batten/core/error.hpp"
@@ -74,10 +75,9 @@ bool is_keyword(std::string_view word) {
 /// Statements that say nothing about shape, or repeat what the free-form ones say.
 bool is_harmless(std::string_view word) {
   static constexpr std::string_view kHarmless[] = {
-      "mtllib", "usemtl",     "usemap",    "maplib", "s",     "mg",       "vp",
-      "cstype", "deg",        "bmat",      "step",   "parm",  "trim",     "hole",
-      "scrv",   "sp",         "end",       "con",    "bevel", "c_interp", "d_interp",
-      "lod",    "shadow_obj", "trace_obj", "ctech",  "stech", "call",     "csh"};
+      "usemap",   "maplib", "s",          "mg",        "vp",    "cstype", "deg",  "bmat",  "step",
+      "parm",     "trim",   "hole",       "scrv",      "sp",    "end",    "con",  "bevel", "c_interp",
+      "d_interp", "lod",    "shadow_obj", "trace_obj", "ctech", "stech",  "call", "csh"};
   return std::find(std::begin(kHarmless), std::end(kHarmless), word) != std::end(kHarmless);
 }
 
@@ -96,6 +96,7 @@ class ObjParser {
     }
     vertices_.check(obj_.positions.size() / 3, "vertex", path_);
     normals_.check(obj_.normals.size() / 3, "normal", path_);
+    texture_.check(obj_.texture.size() / 2, "texture coordinate", path_);
     warn();
     return std::move(obj_);
   }
@@ -104,7 +105,7 @@ class ObjParser {
   /// One statement: its first word, all of its line, and what follows the word.
   void read(std::string_view word, std::string_view line, Tokens& tokens) {
     if (word == "v")
-      read_point(tokens, obj_.positions, "a coordinate");
+      read_vertex_line(tokens);
     else if (word == "vn")
       read_point(tokens, obj_.normals, "a coordinate of the normal");
     else if (word == "f")
@@ -120,7 +121,11 @@ class ObjParser {
     else if (word == "p")
       ++obj_.n_points;
     else if (word == "vt")
-      ++n_texture_;
+      read_texture(tokens);
+    else if (word == "usemtl")
+      material_ = trim(line.substr(6));
+    else if (word == "mtllib")
+      obj_.libraries.emplace_back(trim(line.substr(6)));
     else if (word == "curv" || word == "curv2" || word == "surf")
       ++n_free_form_;
     else if (!is_keyword(word))
@@ -134,6 +139,49 @@ class ObjParser {
   void read_point(Tokens& tokens, std::vector<double>& values, std::string_view what) {
     if (values.size() / 3 >= static_cast<size_t>(kMost)) reader_.fail("too many vertices for this program");
     for (int k = 0; k < 3; ++k) values.push_back(read_finite(tokens, reader_, what));
+  }
+
+  /// Three numbers behind the coordinates are a colour; one is a weight, and left out.
+  void read_vertex_line(Tokens& tokens) {
+    read_point(tokens, obj_.positions, "a coordinate");
+    std::string_view token;
+    double channels[3];
+    for (double& channel : channels)
+      if (!tokens.next(token) || !parse_number(token, channel) || !std::isfinite(channel)) return;
+    obj_.colours.insert(obj_.colours.end(), channels, channels + 3);
+  }
+
+  void read_texture(Tokens& tokens) {
+    obj_.texture.push_back(read_finite(tokens, reader_, "a texture coordinate"));
+    std::string_view token;
+    double v = 0;  // may be missing
+    if (tokens.next(token) && !(parse_number(token, v) && std::isfinite(v)))
+      reader_.fail("a texture coordinate is no number");
+    obj_.texture.push_back(v);
+  }
+
+  /// The texture coordinates of a corner a/t or a/t/n; −1 where it has none.
+  int read_corner_texture(std::string_view word) {
+    const size_t slash = word.find('/');
+    if (slash == std::string_view::npos) return -1;
+    const std::string_view rest = word.substr(slash + 1), text = rest.substr(0, rest.find('/'));
+    if (text.empty()) return -1;
+    long index = 0;
+    if (!parse_integer(text, index))
+      reader_.fail("the index of a texture coordinate is no integer; expected f a/t … or f a/t/n …");
+    const long texture = resolved(index, obj_.texture.size() / 2, reader_, "texture coordinate");
+    texture_.note(texture, reader_.line_number());
+    return static_cast<int>(texture);
+  }
+
+  /// The label of the face read last.
+  static void add_label(MeshAttributes::Labels& labels, const std::string& word, int& number) {
+    if (!word.empty() && (number < 0 || labels.words[static_cast<size_t>(number)] != word)) {
+      const auto found = std::find(labels.words.begin(), labels.words.end(), word);
+      number = static_cast<int>(found - labels.words.begin());
+      if (found == labels.words.end()) labels.words.push_back(word);
+    }
+    labels.of_face.push_back(word.empty() ? -1 : number);
   }
 
   /// The vertex that a word names, up to its first slash.
@@ -168,12 +216,16 @@ class ObjParser {
       const int normal = read_normal(word);
       obj_.face_vertices.push_back(vertex);
       obj_.face_normals.push_back(normal);
+      obj_.face_texture.push_back(read_corner_texture(word));
       ++n_corners;
     }
     if (n_corners == 0) reader_.fail("a face without corners");
     if (obj_.face_vertices.size() > static_cast<size_t>(kMost))
       reader_.fail("too many faces for this program");
     obj_.face_offsets.push_back(static_cast<int>(obj_.face_vertices.size()));
+    add_label(obj_.objects, object_, object_number_);
+    add_label(obj_.groups, group_, group_number_);
+    add_label(obj_.materials, material_, material_number_);
   }
 
   void read_line(Tokens& tokens) {
@@ -190,7 +242,6 @@ class ObjParser {
     if (n_unknown_ > 0)
       obj_.warnings.push_back(concat(n_unknown_, " unknown statements were left out (the first is '",
                                      unknown_, "' on line ", first_unknown_, ")"));
-    if (n_texture_ > 0) obj_.warnings.push_back(concat(n_texture_, " texture coordinates were left out"));
     if (n_free_form_ > 0)
       obj_.warnings.push_back(
           concat(n_free_form_, " free-form curves or surfaces were left out; export polylines or faces"));
@@ -199,9 +250,10 @@ class ObjParser {
   const std::string& path_;
   LineReader reader_;
   ObjContent obj_;
-  std::string object_, group_;  // that lines belong to
-  Reference vertices_, normals_;
-  long n_texture_ = 0, n_free_form_ = 0, n_unknown_ = 0, first_unknown_ = 0;
+  std::string object_, group_, material_;                              // that lines and faces belong to
+  int object_number_ = -1, group_number_ = -1, material_number_ = -1;  // those words among the labels
+  Reference vertices_, normals_, texture_;
+  long n_free_form_ = 0, n_unknown_ = 0, first_unknown_ = 0;
   std::string unknown_;  // the first
 };
 
@@ -238,6 +290,19 @@ void take_normals(ObjContent& obj, RawMesh& mesh) {
   }
 }
 
+/// Fractions of 255, as whole numbers where they are meant to be.
+void take_colours(const ObjContent& obj, RawMesh& mesh) {
+  const char* const kNames[] = {"red", "green", "blue"};
+  for (size_t k = 0; k < 3; ++k) {
+    Eigen::VectorXd values(static_cast<Eigen::Index>(obj.colours.size() / 3));
+    for (size_t v = 0; 3 * v < obj.colours.size(); ++v) {
+      const double value = 255 * obj.colours[3 * v + k], whole = std::round(value);
+      values(static_cast<Eigen::Index>(v)) = std::abs(value - whole) < 0.01 ? whole : value;
+    }
+    mesh.vertex_values[kNames[k]] = std::move(values);
+  }
+}
+
 }  // namespace
 
 ObjContent parse_obj(std::string content, const std::string& path) {
@@ -254,11 +319,23 @@ RawMesh parse_obj_mesh(std::string content, const std::string& path) {
   RawMesh mesh;
   mesh.warnings = std::move(obj.warnings);
   std::vector<int> corners;
+  MeshAttributes& attributes = mesh.attributes;
+  attributes.objects.words = std::move(obj.objects.words);
+  attributes.groups.words = std::move(obj.groups.words);
+  attributes.materials.words = std::move(obj.materials.words);
+  attributes.libraries = std::move(obj.libraries);
   for (size_t f = 0; f < n_faces; ++f) {
-    corners.assign(obj.face_vertices.begin() + obj.face_offsets[f],
-                   obj.face_vertices.begin() + obj.face_offsets[f + 1]);
-    add_face(mesh, corners);
+    const int begin = obj.face_offsets[f], end = obj.face_offsets[f + 1];
+    corners.assign(obj.face_vertices.begin() + begin, obj.face_vertices.begin() + end);
+    if (!add_face(mesh, corners)) continue;
+    mesh.corner_texture.insert(mesh.corner_texture.end(), obj.face_texture.begin() + begin,
+                               obj.face_texture.begin() + end);
+    attributes.objects.of_face.push_back(obj.objects.of_face[f]);
+    attributes.groups.of_face.push_back(obj.groups.of_face[f]);
+    attributes.materials.of_face.push_back(obj.materials.of_face[f]);
   }
+  mesh.texture = std::move(obj.texture);
+  if (obj.colours.size() == obj.positions.size()) take_colours(obj, mesh);
   if (!obj.normals.empty()) take_normals(obj, mesh);
   for (ObjContent::Line& line : obj.lines) mesh.polylines.push_back({std::move(line.vertices), line.line});
   mesh.tags = std::move(obj.tags);

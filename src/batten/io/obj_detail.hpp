@@ -12,6 +12,11 @@ struct ObjContent {
   std::vector<int> face_offsets{0};
   std::vector<int> face_vertices;
   std::vector<int> face_normals;  // per corner, −1 where the file gives none
+  std::vector<double> texture;    // 2 each
+  std::vector<int> face_texture;  // per corner, −1 where the file gives none
+  std::vector<double> colours;    // 3 for each vertex that has them behind its coordinates, 0 to 1
+  MeshAttributes::Labels objects, groups, materials;  // per face
+  std::vector<std::string> libraries;
   struct Line {
     std::string object;  // the last `o`
     std::string group;   // the last `g`

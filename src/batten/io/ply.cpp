@@ -52,6 +52,12 @@ bool type_of(std::string_view name, Type& type) {
   return false;
 }
 
+const char* type_name(Type type) {
+  static constexpr const char* kWords[] = {"char", "uchar", "short", "ushort",
+                                           "int",  "uint",  "float", "double"};
+  return kWords[static_cast<int>(type)];
+}
+
 struct Property {
   std::string name;
   Type type = Type::Float32;
@@ -70,6 +76,7 @@ enum class Encoding { Ascii, Little, Big };
 struct Header {
   Encoding encoding = Encoding::Ascii;
   std::vector<Element> elements;
+  std::vector<std::string> texture_files;
   size_t size = 0;   // bytes
   long n_lines = 0;  // lines
 };
@@ -120,6 +127,8 @@ Header parse_header(std::string_view content, const std::string& path) {
       if (words.size() != 1 || words[0] != "ply") fail("expected 'ply' on the first line");
       continue;
     }
+    if (words.size() >= 3 && words[0] == "comment" && words[1] == "TextureFile")
+      header.texture_files.emplace_back(trim(line.substr(line.find("TextureFile") + 11)));
     if (words.empty() || words[0] == "comment" || words[0] == "obj_info") continue;
     if (words[0] == "end_header") break;
     if (words[0] == "format") {
@@ -298,6 +307,7 @@ void read_vertices(RawMesh& mesh, const Element& element, Values& values) {
         place = 6 + static_cast<int>(further.size());
         further.push_back(property.name);
       }
+      mesh.attributes.vertex_properties.push_back({property.name, type_name(property.type)});
     }
     target.push_back(place);
   }
@@ -330,23 +340,41 @@ void read_vertices(RawMesh& mesh, const Element& element, Values& values) {
   for (size_t k = 0; k < further.size(); ++k) mesh.vertex_values[further[k]] = std::move(further_values[k]);
 }
 
+/// Texture coordinates of the corners of the face added last, or none where their number does not fit.
+void add_texture(RawMesh& mesh, size_t n_corners, const std::vector<double>& texture) {
+  const bool fits = texture.size() == 2 * n_corners;
+  for (size_t k = 0; k < n_corners; ++k)
+    mesh.corner_texture.push_back(fits ? static_cast<int>(mesh.texture.size() / 2 + k) : -1);
+  if (fits) mesh.texture.insert(mesh.texture.end(), texture.begin(), texture.end());
+}
+
 void read_faces(RawMesh& mesh, const Element& element, long n_vertices, Values& values) {
   int corners_at = -1;
   for (size_t p = 0; p < element.properties.size(); ++p)
     if (element.properties[p].list &&
         (element.properties[p].name == "vertex_indices" || element.properties[p].name == "vertex_index"))
       corners_at = static_cast<int>(p);
+  std::vector<MeshAttributes::Property>& scalars = mesh.attributes.face_properties;
+  for (const Property& property : element.properties)
+    if (!property.list) scalars.push_back({property.name, type_name(property.type)});
+  mesh.face_values.resize(scalars.size());
+  std::vector<double> of_face, texture;
   std::vector<int> corners;
   for (long f = 0; f < element.count; ++f) {
     values.begin_row(element, f);
+    of_face.clear();
+    texture.clear();
     if (corners_at < 0) values.fail("has no list 'vertex_indices'; is this a mesh?");
     for (size_t p = 0; p < element.properties.size(); ++p) {
       const Property& property = element.properties[p];
       if (static_cast<int>(p) != corners_at) {
-        if (property.list)
-          values.skip_list(property);
+        if (!property.list)
+          of_face.push_back(values.next(property.type, property.name));
+        else if (property.name == "texcoord")
+          for (long left = values.next_length(property); left > 0; --left)
+            texture.push_back(values.next(property.type, property.name));
         else
-          values.next(property.type, property.name);
+          values.skip_list(property);
         continue;
       }
       const long length = values.next_length(property);
@@ -357,8 +385,10 @@ void read_faces(RawMesh& mesh, const Element& element, long n_vertices, Values& 
           values.fail(concat("names vertex ", index, ", expected 0 to ", n_vertices - 1));
         corners.push_back(static_cast<int>(index));
       }
-      add_face(mesh, corners);
     }
+    if (!add_face(mesh, corners)) continue;
+    for (size_t p = 0; p < of_face.size(); ++p) mesh.face_values[p].push_back(of_face[p]);
+    add_texture(mesh, corners.size(), texture);
   }
 }
 
@@ -367,6 +397,7 @@ void read_faces(RawMesh& mesh, const Element& element, long n_vertices, Values& 
 RawMesh parse_ply(std::string_view content, const std::string& path) {
   const Header header = parse_header(content, path);
   RawMesh mesh;
+  mesh.attributes.texture_files = header.texture_files;
   Values values(content, header, path);
   long n_vertices = -1;
   for (const Element& element : header.elements) {

@@ -9,6 +9,7 @@
 #include "batten/mesh/areas.hpp"
 #include "batten/mesh/distance.hpp"
 #include "batten/mesh/self_intersections.hpp"
+#include "batten/pipeline/carried_values.hpp"
 #include "batten/pipeline/mesh_input.hpp"
 #include "batten/remeshing/area_samples.hpp"
 
@@ -16,7 +17,7 @@ namespace batten {
 
 namespace {
 
-void add_warnings(const TriangleMesh& input, const RemeshOptions& options, RemeshedMesh& result) {
+void add_warnings(RemeshedMesh& result) {
   const RemeshReport& report = result.report;
   if (report.split_vertices > 0)
     result.warnings.push_back(
@@ -28,8 +29,6 @@ void add_warnings(const TriangleMesh& input, const RemeshOptions& options, Remes
                " (relative residual ", report.solves.residual,
                "); areas or distances may be less even than they could be, which another number of "
                "`iterations` may mend"));
-  if (!input.vertex_values.empty() && options.sizes.size() == 0)
-    result.warnings.emplace_back("values per vertex of the input are not carried over to the new vertices");
 }
 
 /// The point of one mesh, of those spread over it, that is furthest from another mesh.
@@ -118,7 +117,11 @@ RemeshedMesh remeshed_mesh(const TriangleMesh& mesh, const RemeshedMeshOptions& 
   result.times = std::move(remeshed.times);
   result.mesh = std::move(remeshed.mesh);
   result.report = std::move(remeshed.report);
-  add_warnings(mesh, chosen, result);
+  add_warnings(result);
+  {
+    const ScopedStage stage(result.times, "values");
+    carry_values(mesh, result.mesh, progress.part("values", 0, 0));
+  }
   const ScopedStage stage(result.times, "measure");
   result.measures = remesh_measures(mesh, result.mesh, chosen.keep_edges, progress);
   result.quality = mesh_quality(result.mesh.positions, result.mesh.triangles);

@@ -24,7 +24,7 @@ struct RemeshedMeshOptions {
 
 /// New triangles for a surface, measured. Lengths in the unit of the mesh.
 struct RemeshedMesh {
-  TriangleMesh mesh;  ///< without normals and values of its own
+  TriangleMesh mesh;  ///< with the values of the input, see carry_values()
   RemeshReport report;
   MeshQuality quality;
   RemeshMeasures measures;  ///< how the surface differs from that of the input

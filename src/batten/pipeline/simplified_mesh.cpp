@@ -6,6 +6,7 @@
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
 #include "batten/mesh/self_intersections.hpp"
+#include "batten/pipeline/carried_values.hpp"
 #include "batten/pipeline/mesh_input.hpp"
 
 namespace batten {
@@ -30,8 +31,10 @@ SimplifiedMesh simplified_mesh(const TriangleMesh& mesh, const SimplifiedMeshOpt
   result.simplified = simplify(mesh, chosen, progress);
   result.times = std::exchange(result.simplified.times, {});
   result.warnings = std::exchange(result.simplified.warnings, {});
-  if (mesh.normals.rows() > 0 || !mesh.vertex_values.empty())
-    result.warnings.emplace_back("normals and values per vertex of the input were dropped");
+  if (result.simplified.mesh.n_triangles() > 0) {
+    const ScopedStage stage(result.times, "values");
+    carry_values(mesh, result.simplified.mesh, progress.part("values", 0, 0));
+  }
 
   const ScopedStage stage(result.times, "check");
   const TriangleMesh& small = result.simplified.mesh;

@@ -24,7 +24,9 @@ struct SimplifiedMeshOptions {
 
 /// A mesh with fewer faces, held against the one it was made of. Lengths in the unit of the mesh.
 struct SimplifiedMesh {
-  SimplifyResult simplified;          ///< its warnings and times have been moved to those below
+  /// Its mesh has the values of the input, see carry_values(); its warnings and times have been moved to
+  /// those below.
+  SimplifyResult simplified;
   double diameter = 0;                ///< of the input
   double removed = 0;                 ///< share of the faces
   Comparison distances;               ///< A is the input, B the result
