@@ -144,14 +144,18 @@ ObjectId model_to_show(const Document& document, const std::string& name) {
 double millimetres_in(const std::string& unit) {
   const Length one = parse_length("1" + unit);
   if (one.kind != Length::Kind::Metres)
-    throw InvalidInput(
-        concat("the unit of the session is '", unit, "'; STEP needs m, cm, mm, um, km, in or ft"));
+    throw InvalidInput(concat("the unit of the session is '", unit,
+                              "'; STEP, glTF and 3MF need m, cm, mm, um, km, in or ft"));
   return 1000 * one.value;
 }
 
-void write_surface(const SketchArguments& arguments, TriangleMesh mesh, Json& figures, Outcome& outcome) {
+void write_surface(const SketchArguments& arguments, const std::string& unit, TriangleMesh mesh,
+                   Json& figures, Outcome& outcome) {
   const ScopedStage stage(outcome.times, "write");
-  write_mesh(arguments.surface, mesh);
+  MeshWriteOptions options;
+  if (has_unit(mesh_format(arguments.surface)) && !unit.empty())
+    options.metres_per_unit = millimetres_in(unit) / 1000;
+  write_mesh(arguments.surface, mesh, options);
   figures["vertices"] = mesh.n_vertices();
   figures["faces"] = mesh.n_triangles();
   outcome.lines.push_back(
@@ -208,7 +212,7 @@ void make_surface(const SketchArguments& arguments, const PolylineMesh& model, c
                                        degrees(continuity.smooth.mean_normal_jump), " in the mean"));
     }
     if (surface.soundness->is_sound() || arguments.accept_flaws)
-      write_surface(arguments, std::move(surface.mesh), figures, outcome);
+      write_surface(arguments, unit, std::move(surface.mesh), figures, outcome);
     else
       outcome.failure = concat(surface.soundness->sentence(), "; ", arguments.surface,
                                " is not written (--accept-flaws writes it all the same)");

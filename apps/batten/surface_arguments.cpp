@@ -46,15 +46,17 @@ void report_surface(const SurfaceArguments& arguments, NetworkSurface surface, c
                     const Context& context, Outcome& outcome) {
   outcome.times.add(surface.times);
   outcome.warnings.insert(outcome.warnings.end(), surface.warnings.begin(), surface.warnings.end());
+  const std::string unit = !arguments.unit.empty() ? arguments.unit
+                           : network.unit.empty()  ? "m"
+                                                   : network.unit;
   if (is_step_file(arguments.output)) {
-    const std::string unit = !arguments.unit.empty() ? arguments.unit
-                             : network.unit.empty()  ? "m"
-                                                     : network.unit;
     write_step(arguments.output, surface.mesh, surface.patch_of_triangle, unit, arguments.step, context,
                outcome);
   } else {
     const ScopedStage stage(outcome.times, "write");
-    write_mesh(arguments.output, surface.mesh);
+    MeshWriteOptions options;
+    if (has_unit(mesh_format(arguments.output))) options.metres_per_unit = metres_per_unit(unit);
+    write_mesh(arguments.output, surface.mesh, options);
   }
   const MeshTopology& topology = surface.topology;
   const MeshQuality& quality = surface.quality;
@@ -133,7 +135,7 @@ void add_surface_options(CLI::App& command, SurfaceArguments& arguments) {
   add_step_options(command, arguments.step);
   command
       .add_option("--unit", arguments.unit,
-                  "CAD: unit of the numbers, for the file's millimetres; that of the input, else m")
+                  "Unit of the numbers, for .step, .glb and .3mf; that of the input, else m")
       ->check(parses("UNIT", [](const std::string& text) { metres_per_unit(text); }));
   command
       .add_option("--max-triangles", arguments.max_triangles,

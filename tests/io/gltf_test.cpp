@@ -201,5 +201,80 @@ TEST(ThreeMf, HoldsMillimetresExactly) {
   EXPECT_THROW(parse_mesh("PK\x03\x04", "a.3mf"), FileError);
 }
 
+TEST(ThreeMf, ReadsBackWhatItWrites) {
+  TriangleMesh mesh = tetrahedron();
+  mesh.positions(1, 0) = 0.1;
+  std::vector<std::string> warnings;
+  const TriangleMesh back = parse_mesh(format_mesh(mesh, MeshFormat::ThreeMf), "a.3mf", &warnings);
+  EXPECT_EQ(back.positions, mesh.positions);
+  EXPECT_EQ(back.triangles, mesh.triangles);
+  EXPECT_TRUE(warnings.empty());
+}
+
+/// A model of one triangle (0 0 0, 1 0 0, 0 2 0) as object 1.
+std::string threemf_model(const std::string& unit, const std::string& more, const std::string& build) {
+  return "<?xml version='1.0'?><!-- <vertex> --><m:model unit=\"" + unit +
+         "\" xmlns:m='x'>\n<m:resources><m:object id='1'><m:mesh><m:vertices>"
+         "<m:vertex x='0' y='0' z='0'/><m:vertex x='1' y='0' z='0'/><m:vertex x='0' y='2' z='0' />"
+         "</m:vertices><m:triangles><m:triangle v1='0' v2='1' v3='2' "
+         "p1='0'/></m:triangles></m:mesh></m:object>" +
+         more + "</m:resources><m:build>" + build + "</m:build></m:model>";
+}
+
+// Item and component transforms act on rows, the inner one first: (1 0 0) → (0 1 0) by the component's
+// quarter turn → (10 1 0) by the item. The mirror image is turned over, so that its normal stays +z.
+TEST(ThreeMf, PutsObjectsIntoTheirPlacesInMetres) {
+  const std::string model =
+      threemf_model("inch",
+                    "<object id='2'><components><component objectid='1' transform='0 1 0 -1 0 0 0 0 1 0 0 "
+                    "0'/></components></object>"
+                    "<object id='3'><mesh/></object>",
+                    "<item objectid='2' transform='1 0 0 0 1 0 0 0 1 10 0 0'/>"
+                    "<item objectid='1' transform='-1 0 0 0 1 0 0 0 1 0 0 0'/><item objectid='3'/>");
+  std::vector<std::string> warnings;
+  const TriangleMesh mesh = parse_mesh(format_archive({{"3D/3dmodel.model", model}}), "a.3mf", &warnings);
+  ASSERT_EQ(mesh.n_triangles(), 2);
+  const Points inches = mesh.positions / 0.0254;
+  Points expected(6, 3);
+  expected << 10, 0, 0, 10, 1, 0, 8, 0, 0, 0, 0, 0, -1, 0, 0, 0, 2, 0;
+  EXPECT_LT((inches - expected).cwiseAbs().maxCoeff(), 1e-12);
+  EXPECT_EQ(mesh.triangles, (Triangles(2, 3) << 0, 1, 2, 5, 4, 3).finished());
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_NE(warnings[0].find("0.0254 m"), std::string::npos);
+}
+
+TEST(ThreeMf, FollowsPathsToOtherModels) {
+  const std::string root =
+      "<model><resources/><build><item objectid='1' p:path='/3D/Objects/a.model'/></build></model>";
+  const auto archive = format_archive(
+      {{"_rels/.rels",
+        "<Relationships><Relationship Type='http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel' "
+        "Target='/other/root.model'/></Relationships>"},
+       {"other/root.model", root},
+       {"3D/Objects/a.model", threemf_model("meter", "", "<item objectid='1'/>")}});
+  EXPECT_EQ(parse_mesh(archive, "a.3mf").positions(2, 1), 0.002);  // millimetres, as the root does not say
+}
+
+TEST(ThreeMf, RefusesWhatIsDamaged) {
+  const auto says = [](const std::string& model, const std::string& words) {
+    try {
+      parse_mesh(format_archive({{"3D/3dmodel.model", model}}), "a.3mf");
+      ADD_FAILURE() << words;
+    } catch (const FileError& error) {
+      EXPECT_NE(std::string(error.what()).find(words), std::string::npos) << error.what();
+    }
+  };
+  const std::string item = "<item objectid='1'/>";
+  says(threemf_model("furlong", "", item), "furlong");
+  says(threemf_model("inch", "", ""), "no items");
+  says(threemf_model("inch", "", "<item objectid='7'/>"), "'7'");
+  says(threemf_model("inch", "", "<item objectid='1' transform='1 0 0'/>"), "12 numbers");
+  says(threemf_model("inch", "<object id='2'><component objectid='2'/></object>", "<item objectid='2'/>"),
+       "contain each other");
+  says(threemf_model("inch", "<object id='2'><triangle v1='0' v2='1' v3='2'/></object>", item), "vertex '0'");
+  says(threemf_model("inch", "<object id='2'><vertex x='1' y='nan' z='0'/></object>", item), "number 'y'");
+  says(threemf_model("inch", "<!-- ", item), "cut off");
+}
+
 }  // namespace
 }  // namespace batten

@@ -23,6 +23,27 @@ TEST(ZipArchive, HasTheCheckSumOfZipFiles) {
   EXPECT_EQ(bytes.substr(14, 4), "\x26\x39\xf4\xcb");
 }
 
+// "batten " forty times as a.txt, deflated by another program.
+TEST(ZipArchive, UnpacksDeflatedEntries) {
+  const std::string hex =
+      "504b03041400000008000000210057f904ec0d0000001801000005000000612e7478744b4a2c2949cd53481aa550290050"
+      "4b010214031400000008000000210057f904ec0d000000180100000500000000000000000000008001000000006"
+      "12e747874504b0506000000000100010033000000300000000000";
+  std::string bytes, expected;
+  for (size_t k = 0; k < hex.size(); k += 2)
+    bytes += static_cast<char>(std::stoi(hex.substr(k, 2), nullptr, 16));
+  for (int k = 0; k < 40; ++k) expected += "batten ";
+  EXPECT_EQ(parse_archive(bytes), (std::map<std::string, std::string>{{"a.txt", expected}}));
+  for (const size_t place : {35, 40, 47, 72, 73}) {  // packed bytes, and the size that is announced
+    std::string damaged = bytes;
+    damaged[place] ^= 0x11;
+    EXPECT_THROW(parse_archive(damaged), InvalidInput) << place;
+  }
+  // A size that no honest file has is refused before memory is taken for it.
+  bytes[48 + 27] = 0x70;
+  EXPECT_THROW(parse_archive(bytes), InvalidInput);
+}
+
 TEST(ZipArchive, DamageIsSeen) {
   const std::string bytes = format_archive({{"name", "some content"}});
   std::string damaged = bytes;

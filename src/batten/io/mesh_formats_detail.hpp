@@ -50,6 +50,11 @@ RawMesh parse_stl(std::string content, const std::string& path);
 /// Of a GLB, or a glTF with its buffers beside it: all meshes of the scene in their places, as one.
 RawMesh parse_gltf(std::string_view content, const std::string& path);
 
+/// All objects of the build of a 3MF in their places, as one, in metres.
+RawMesh parse_threemf(std::string_view content, const std::string& path);
+/// Whether the bytes are a zip file, which of the formats here only 3MF is.
+bool begins_as_zip(std::string_view content);
+
 std::string ply_text(const TriangleMesh& mesh, const MeshAttributes& attributes, bool ascii);
 std::string obj_text(const TriangleMesh& mesh, const MeshAttributes& attributes);
 /// Whether obj_text() writes colours.

@@ -345,6 +345,7 @@ std::optional<MeshFormat> shown_mesh_format(std::string_view content) {
   if (head == "ply\n" || head == "ply\r") return MeshFormat::Ply;
   if (is_binary_stl(content)) return MeshFormat::Stl;
   if (begins_as_gltf(content)) return MeshFormat::Gltf;
+  if (begins_as_zip(content)) return MeshFormat::ThreeMf;
   if (begins_as_text_stl(content)) return MeshFormat::Stl;
   Tokens tokens(content.substr(0, 200));
   std::string_view first;
@@ -361,7 +362,7 @@ RawMesh parse_raw_mesh(std::string content, const std::string& path, std::vector
   const bool named =
       format_of_extension(path == "-" ? extension_of_content(content) : file_extension(path), format);
   if (!shown && !named)
-    throw FileError(path, 0, "is not recognised as a mesh; use a .ply, .obj, .off, .stl or .glb file");
+    throw FileError(path, 0, "is not recognised as a mesh; use a .ply, .obj, .off, .stl, .glb or .3mf file");
   if (shown && (!named || *shown != format)) {
     if (named)
       notes.push_back(concat(path, " is a ", name_of(*shown), " file by its content and was read as such"));
@@ -379,7 +380,7 @@ RawMesh parse_raw_mesh(std::string content, const std::string& path, std::vector
     case MeshFormat::Gltf:
       return parse_gltf(content, path);
     case MeshFormat::ThreeMf:
-      throw FileError(path, 0, "3MF is written and not read; export .stl, .obj or .glb");
+      return parse_threemf(content, path);
   }
   return {};
 }

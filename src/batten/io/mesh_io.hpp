@@ -15,12 +15,12 @@ enum class MeshFormat {
   Stl,      ///< corners only, in single precision when binary
   Gltf,     ///< read as .gltf and .glb, written as .glb: positions, normals and colours, in metres, single
             ///< precision
-  ThreeMf,  ///< written only: positions in millimetres, for printers
+  ThreeMf,  ///< for printers: positions, read into metres from the unit of the file, written in millimetres
 };
 
-/// Reads a triangle mesh: PLY (ascii, binary of either byte order), OBJ, OFF, STL (ascii or binary) or glTF,
-/// packed with gzip or not. The format is told by the content where that shows it, else by the extension.
-/// Polygons are split into triangles; normals per vertex are brought to unit length.
+/// Reads a triangle mesh: PLY (ascii, binary of either byte order), OBJ, OFF, STL (ascii or binary), glTF
+/// or 3MF, packed with gzip or not. The format is told by the content where that shows it, else by the
+/// extension. Polygons are split into triangles; normals per vertex are brought to unit length.
 /// @param warnings receives what a reader must tell: polygons that were split, parts that were left out.
 /// @throws FileError naming the line (text) or the element (binary), what was expected and the remedy.
 TriangleMesh read_mesh(const std::string& path, std::vector<std::string>* warnings = nullptr);
