@@ -51,7 +51,7 @@ double edge_stopping(double curvature, double threshold);
 
 /// Options of the anisotropic flows.
 struct AnisotropicFlowOptions : FlowOptions {
-  /// ν in 1/length: curvatures well above it are kept; 0 takes 1/ē.
+  /// ν in 1/length: curvatures well above it are kept; 0 takes 1/ē, with the tensor 0.3/ē. H names none.
   double threshold = 0;
 
   /// The first problem found, naming field and value, or nothing.
