@@ -20,6 +20,7 @@
 #include "batten/mesh/compare.hpp"
 #include "batten/mesh/normals.hpp"
 #include "batten/mesh/quality.hpp"
+#include "batten/operators/mesh_variation.hpp"
 #include "batten/remeshing/measures.hpp"
 #include "batten/remeshing/remesh.hpp"
 #include "batten/render/render.hpp"
@@ -71,17 +72,31 @@ struct NoisyMesh {
 
 class Experiments {
  public:
-  Experiments(std::string folder, bool pictures, const Progress& progress)
-      : folder_(std::move(folder)), pictures_(pictures), progress_(progress) {}
+  /// @param tables how many will be made.
+  Experiments(std::string folder, bool pictures, std::size_t tables, const Progress& progress)
+      : folder_(std::move(folder)),
+        pictures_(pictures),
+        tables_(std::max<std::size_t>(tables, 1)),
+        overall_(progress) {}
 
   void fairing();
   void remeshing();
   template <std::size_t n>
   void simplification(const char* number_of_table, const char* title, const SimplifyRow (&table)[n]);
 
+  const ThesisTables& so_far() const { return result_; }
   ThesisTables take() { return std::move(result_); }
 
  private:
+  /// Where the work is: before row `row` of `rows`.
+  void begin_row(std::size_t row, std::size_t rows) {
+    row_ = static_cast<double>(row) / static_cast<double>(rows);
+  }
+  void end_table(ReportGrid grid) {
+    result_.grids.push_back(std::move(grid));
+    ++table_;
+    row_ = 0;
+  }
   const TriangleMesh* mesh(const std::string& name);
   std::optional<NoisyMesh> noisy_mesh(const MeshData& data);
   Json faired(const std::string& mesh_name, const NoisyMesh& given, const std::string& algorithm,
@@ -92,6 +107,8 @@ class Experiments {
   template <typename Work>
   bool attempt(const std::string& stage, const std::string& what, Work&& work) {
     const ScopedStage timed(result_.times, stage);
+    const double begin = (table_ + std::min(row_, 1.0)) / static_cast<double>(tables_);
+    progress_ = overall_.part(what, begin, begin);
     progress_.report(what, 0);
     try {
       work();
@@ -106,7 +123,11 @@ class Experiments {
 
   std::string folder_;
   bool pictures_;
-  const Progress& progress_;
+  std::size_t tables_;
+  const Progress& overall_;
+  Progress progress_;  ///< of the case at work
+  int table_ = 0;      ///< number of the table at work
+  double row_ = 0;     ///< share of its rows that are done
   ThesisTables result_;
   std::map<std::string, std::optional<TriangleMesh>> meshes_;
 };
@@ -246,7 +267,9 @@ void Experiments::fairing() {
   grid.columns = {"mesh",       "algorithm", "τ (H)",      "τ ours", "steps (H)",
                   "steps ours", "ΔV (H)",    "ΔV ours, %", "σ (H)",  "normals ours"};
   Json& json = result_.tables["2.2"] = Json::array();
+  std::size_t n_rows = 0;
   for (const MeshData& data : kTable21) {
+    begin_row(n_rows++, std::size(kTable21));
     const std::optional<NoisyMesh> given = noisy_mesh(data);
     const auto add = [&](const std::string& algorithm, const FairingRow* thesis, const Json& ours) {
       add_fairing_row(data.mesh, algorithm, thesis, ours, grid, json);
@@ -266,21 +289,37 @@ void Experiments::fairing() {
     }
     if (given) add("auto", nullptr, faired(data.mesh, *given, "auto", nullptr, FairingMethod::Automatic));
   }
-  result_.grids.push_back(std::move(grid));
+  end_table(std::move(grid));
+}
+
+/// |Var(A) − Var(A0)| / Var(A0) by (2.49) as printed, Σ (A − Ā)² over the vertices.
+double printed_area_variance(const TriangleMesh& original, const TriangleMesh& result) {
+  const auto variance = [](const TriangleMesh& mesh) {
+    const double area = face_areas(mesh.positions, mesh.triangles).sum();
+    return area_variance(mesh.positions, mesh.triangles) * area * area /
+           static_cast<double>(mesh.n_vertices());
+  };
+  const double before = variance(original);
+  return std::abs(variance(result) - before) / before;
 }
 
 void Experiments::remeshing() {
   ReportGrid grid;
   grid.title = "Table 2.3: remeshing";
   grid.note =
-      "Each figure: H / ours. Changes in per cent; ours with areas and edges over their means, and without "
-      "borders and kept edges in ΔH and ΔVar(H). d_h: mean distance of the original's vertices from the "
+      "Each figure: H / ours / ours as H defines it, where that differs. Changes in per cent; ours with "
+      "areas "
+      "and edges over their means, and without "
+      "borders and kept edges in ΔH and ΔVar(H); as H defines it, with them, and in the unit of the mesh. "
+      "d_h: mean distance of the original's vertices from the "
       "result, ours over the diameter. Smallest angle: mean over the triangles; normals: mean angle by area.";
   grid.columns = {"mesh",    "method", "rounds",         "ΔH",     "ΔVar(E)", "ΔVar(A)",
                   "ΔVar(H)", "d_h",    "smallest angle", "normals"};
   Json& json = result_.tables["2.3"] = Json::array();
   std::string drawn;
+  std::size_t n_rows = 0;
   for (const RemeshRow& row : kTable23) {
+    begin_row(n_rows++, std::size(kTable23));
     const TriangleMesh* original = mesh(row.mesh);
     // Enlarged until triangles can be told apart.
     const double zoom =
@@ -298,6 +337,10 @@ void Experiments::remeshing() {
         options.max_iterations = row.iterations;
         const RemeshResult made = remesh(*original, options, progress_);
         const RemeshMeasures measures = remesh_measures(*original, made.mesh, options.keep_edges, progress_);
+        const MeshVariation as_printed =
+            mesh_variation(original->positions, original->triangles, made.mesh.positions, made.mesh.triangles,
+                           {}, progress_);
+        const auto known = [](double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); };
         const MeshQuality quality = mesh_quality(made.mesh.positions, made.mesh.triangles);
         ours = {{"iterations", made.report.iterations},
                 {"vertices", made.mesh.n_vertices()},
@@ -306,12 +349,21 @@ void Experiments::remeshing() {
                 {"area_variance_change", measures.area_variance_change},
                 {"curvature_variance_change", measures.curvature_variance_change},
                 {"mean_distance", measures.mean_distance},
+                {"as_h_defines_it",
+                 {{"curvature_change", known(as_printed.mean_curvature)},
+                  {"edge_variance_change", known(as_printed.edge_variance)},
+                  {"area_variance_change", known(printed_area_variance(*original, made.mesh))},
+                  {"curvature_variance_change", known(as_printed.curvature_variance)}}},
                 {"mean_smallest_angle_deg", degrees(quality.mean_min_angle)},
                 {"normal_error_deg", degrees(measures.normal_error)}};
         draw("2.3", row.mesh, row.method, counts(made.mesh) + enlarged, made.mesh, Shading::Wireframe, zoom);
       });
     const auto cell = [&](double thesis, const char* key, double scale, const char* format) {
-      return concat(thesis, " / ", ours.is_null() ? "–" : number(scale * ours[key].get<double>(), format));
+      std::string text =
+          concat(thesis, " / ", ours.is_null() ? "–" : number(scale * ours[key].get<double>(), format));
+      if (ours.is_null() || !ours["as_h_defines_it"].contains(key)) return text;
+      const Json& printed = ours["as_h_defines_it"][key];
+      return text + " / " + (printed.is_null() ? "–" : number(scale * printed.get<double>(), format));
     };
     grid.rows.push_back(
         {row.mesh, row.method,
@@ -334,7 +386,7 @@ void Experiments::remeshing() {
                       {"mean_distance", row.distance}}},
                     {"ours", ours}});
   }
-  result_.grids.push_back(std::move(grid));
+  end_table(std::move(grid));
 }
 
 template <std::size_t n>
@@ -352,7 +404,9 @@ void Experiments::simplification(const char* number_of_table, const char* title,
   grid.columns = {"mesh", "removed, %", "by", "dmax", "dmean", "dRMS", "back", "smallest angle", "faces"};
   Json& json = result_.tables[number_of_table] = Json::array();
   std::string drawn;
+  std::size_t n_rows = 0;
   for (const SimplifyRow& row : table) {
+    begin_row(n_rows++, n);
     const TriangleMesh* original = mesh(row.mesh);
     const double diameter = original == nullptr ? 0 : bounding_box_diagonal(original->positions);
     // Unit of the thesis over the unit of the file, from the volumes of both.
@@ -418,7 +472,7 @@ void Experiments::simplification(const char* number_of_table, const char* title,
     run("ours", "default", SimplifyMethod::Quadric);
     json.push_back(std::move(entry));
   }
-  result_.grids.push_back(std::move(grid));
+  end_table(std::move(grid));
 }
 
 }  // namespace
@@ -429,14 +483,15 @@ const std::vector<std::string>& thesis_h_tables() {
 }
 
 ThesisTables thesis_h(const std::string& folder, const std::vector<std::string>& tables, bool pictures,
-                      const Progress& progress) {
-  Experiments experiments(folder, pictures, progress);
+                      const Progress& progress, const TableDone& done) {
+  Experiments experiments(folder, pictures, tables.size(), progress);
   for (const std::string& table : thesis_h_tables()) {
     if (std::find(tables.begin(), tables.end(), table) == tables.end()) continue;
     if (table == "2.2") experiments.fairing();
     if (table == "2.3") experiments.remeshing();
     if (table == "2.4") experiments.simplification("2.4", "simplification of meshes with edges", kTable24);
     if (table == "2.5") experiments.simplification("2.5", "simplification of large meshes", kTable25);
+    if (done) done(experiments.so_far());
   }
   return experiments.take();
 }

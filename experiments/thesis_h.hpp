@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,9 @@ struct ThesisTables {
   StageTimes times;
 };
 
+/// Called after every table with all that was found so far, the last table at the end.
+using TableDone = std::function<void(const ThesisTables&)>;
+
 /// Repeats the experiments of H chapter 2 on those of its meshes that lie in `folder` or in its folder
 /// "meshes", under their names (fandisk.obj, igea.ply.gz, …). The methods are called as `batten fair`,
 /// `remesh` and `simplify` do. A mesh that a method refuses leaves its places empty, with a warning.
@@ -32,6 +36,6 @@ struct ThesisTables {
 /// @param tables of thesis_h_tables().
 /// @throws FileError when a mesh cannot be read; Cancelled.
 ThesisTables thesis_h(const std::string& folder, const std::vector<std::string>& tables, bool pictures,
-                      const Progress& progress);
+                      const Progress& progress, const TableDone& done = {});
 
 }  // namespace batten::experiments
