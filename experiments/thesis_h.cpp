@@ -64,6 +64,15 @@ TriangleMesh midpoint_subdivided(const TriangleMesh& mesh) {
   return result;
 }
 
+/// The diameter of a mesh in the unit of the thesis, from the volumes of both; 0 where it prints none.
+double printed_diameter(const std::string& name, const TriangleMesh& mesh) {
+  const double volume = enclosed_volume(mesh.positions, mesh.triangles);
+  for (const MeshData& data : kTable21)
+    if (data.mesh == name && volume > 0)
+      return bounding_box_diagonal(mesh.positions) * std::cbrt(data.volume / volume);
+  return 0;
+}
+
 /// A mesh and the same with noise.
 struct NoisyMesh {
   TriangleMesh clean, noisy;
@@ -409,13 +418,7 @@ void Experiments::simplification(const char* number_of_table, const char* title,
     begin_row(n_rows++, n);
     const TriangleMesh* original = mesh(row.mesh);
     const double diameter = original == nullptr ? 0 : bounding_box_diagonal(original->positions);
-    // Unit of the thesis over the unit of the file, from the volumes of both.
-    double diameter_of_thesis = 0;
-    for (const MeshData& data : kTable21)
-      if (original != nullptr && std::string(data.mesh) == row.mesh) {
-        const double volume = enclosed_volume(original->positions, original->triangles);
-        if (volume > 0) diameter_of_thesis = diameter * std::cbrt(data.volume / volume);
-      }
+    const double diameter_of_thesis = original == nullptr ? 0 : printed_diameter(row.mesh, *original);
     const auto add_printed = [&](const char* by, const double(&figures)[3]) {
       std::vector<std::string> cells = {row.mesh, number(row.removed), by};
       Json printed = Json::object();

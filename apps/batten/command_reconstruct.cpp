@@ -26,8 +26,8 @@ void compare_with_truth(const std::string& path, const Context& context, Outcome
     truth = read_model(path, outcome.warnings);
   }
   const ScopedStage stage(outcome.times, "compare");
-  const TruthErrors errors =
-      truth_errors(batten::shape_of(*outcome.exhibit.mesh), shape_of(truth), context.progress);
+  const TruthErrors errors = truth_errors(batten::shape_of(*outcome.exhibit.mesh), shape_of(truth),
+                                          RegistrationKind::Rigid, context.progress);
   outcome.exhibit.errors = errors.vertices;
   outcome.figures["error_percent"] = {
       {"max", errors.figures.max}, {"mean", errors.figures.mean}, {"rms", errors.figures.rms}};

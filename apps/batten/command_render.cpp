@@ -8,7 +8,7 @@
 #include "batten/core/text.hpp"
 #include "batten/io/file.hpp"
 #include "batten/io/standard_streams.hpp"
-#include "batten/mesh/compare.hpp"
+#include "batten/pipeline/shape_comparison.hpp"
 #include "batten/render/render.hpp"
 
 namespace batten::cli {
@@ -73,17 +73,15 @@ Outcome run_render(const RenderArguments& arguments, Context& context) {
   subject.network = model.network ? &*model.network : network.network ? &*network.network : nullptr;
   if (!arguments.against.empty()) {
     const ScopedStage stage(outcome.times, "compare");
-    CompareOptions compare_options;
-    compare_options.registration = parse_choice<RegistrationKind>(arguments.registration);
-    const Comparison comparison =
-        compare(shape_of(model), shape_of(truth), compare_options, context.progress);
-    subject.errors = comparison.a_to_b.vertex_distances;
-    subject.error_scale = 100 / comparison.diameter;
+    const TruthErrors errors =
+        truth_errors(shape_of(model), shape_of(truth), parse_choice<RegistrationKind>(arguments.registration),
+                     context.progress);
+    subject.errors = errors.vertices;
     subject.error_unit = "error, % of size";
-    outcome.figures["error"] = {{"max", comparison.a_to_b.vertices.max},
-                                {"mean", comparison.a_to_b.vertices.mean},
-                                {"rms", comparison.a_to_b.vertices.rms},
-                                {"diameter", comparison.diameter}};
+    outcome.figures["error"] = {{"max", errors.lengths.max},
+                                {"mean", errors.lengths.mean},
+                                {"rms", errors.lengths.rms},
+                                {"diameter", errors.diameter}};
   }
 
   Image image;

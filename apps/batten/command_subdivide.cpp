@@ -1,4 +1,5 @@
 #include "command.hpp"
+#include "step_output.hpp"
 
 #include <memory>
 #include <string>
@@ -12,7 +13,6 @@
 #include "batten/io/cage_io.hpp"
 #include "batten/io/file.hpp"
 #include "batten/io/mesh_io.hpp"
-#include "batten/io/standard_streams.hpp"
 #include "batten/pipeline/subdivided_cage.hpp"
 
 namespace batten::cli {
@@ -44,8 +44,7 @@ void check_arguments(const SubdivideArguments& arguments) {
     throw CLI::ValidationError("subdivide", "needs an output: -o for a mesh, --step for CAD, or both");
   if (!arguments.output.empty()) mesh_format(arguments.output);
   if (!arguments.step.empty()) {
-    const std::string extension = output_extension(arguments.step, "step");
-    if (extension != "step" && extension != "stp")
+    if (!is_step_file(arguments.step, "step"))
       throw UnknownExtension(arguments.step, "is no STEP file by its extension; use .step or .stp");
     if (parse_schemes(arguments.scheme).back() != SubdivisionScheme::CatmullClark)
       throw CLI::ValidationError("--step",
@@ -100,7 +99,7 @@ void write_refined(const SubdivideArguments& arguments, RefinedCage refined, Out
   outcome.exhibit.mesh = std::move(refined.triangles);
 }
 
-void write_step(const SubdivideArguments& arguments, const CagePatches& patches, Outcome& outcome) {
+void write_patches(const SubdivideArguments& arguments, const CagePatches& patches, Outcome& outcome) {
   {
     const ScopedStage stage(outcome.times, "step");
     write_file(arguments.step, patches.step);
@@ -138,7 +137,7 @@ Outcome run_subdivide(const SubdivideArguments& arguments, const Context& contex
   add_run(result.times, result.warnings, outcome);
   report_cage(result, outcome.figures);
   if (result.refined) write_refined(arguments, std::move(*result.refined), outcome);
-  if (result.patches) write_step(arguments, *result.patches, outcome);
+  if (result.patches) write_patches(arguments, *result.patches, outcome);
   return outcome;
 }
 

@@ -21,8 +21,8 @@ void add_step_options(CLI::App& command, StepArguments& arguments) {
       ->check(CLI::PositiveNumber);
 }
 
-bool is_step_file(const std::string& path) {
-  const std::string extension = output_extension(path, "ply");
+bool is_step_file(const std::string& path, std::string_view standard) {
+  const std::string extension = output_extension(path, standard);
   return extension == "step" || extension == "stp";
 }
 

@@ -2,6 +2,7 @@
 #include "command.hpp"
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "batten/mesh/triangle_mesh.hpp"
@@ -17,8 +18,8 @@ struct StepArguments {
 
 void add_step_options(CLI::App& command, StepArguments& arguments);
 
-/// By its extension, .step or .stp.
-bool is_step_file(const std::string& path);
+/// By its extension, .step or .stp. @param standard the format that `-` stands for, as an extension.
+bool is_step_file(const std::string& path, std::string_view standard = "ply");
 
 /// Writes the faces of a mesh of patches and adds figures ("step"), a line, warnings and times.
 /// @param unit of the mesh, a length. @throws InvalidInput where it is none, and as step_surface().

@@ -168,7 +168,7 @@ class CornersParser {
 };
 
 BoardPairs read_lines(LineReader& reader, const CornersOptions& options, std::vector<std::string>* warnings) {
-  if (const auto found = options.board.problem()) throw InvalidInput(*found);
+  if (const auto found = options.problem()) throw InvalidInput(*found);
   CornersParser parser(reader, options.board);
   std::string_view line;
   while (reader.next(line)) parser.parse_line(line);
@@ -176,6 +176,13 @@ BoardPairs read_lines(LineReader& reader, const CornersOptions& options, std::ve
 }
 
 }  // namespace
+
+std::optional<std::string> CornersOptions::problem() const {
+  if (auto wrong = board.problem()) return wrong;
+  if (size && (size->width < 1 || size->height < 1))
+    return concat("size must be at least 1x1 pixels, got ", size->width, "x", size->height);
+  return std::nullopt;
+}
 
 ImageSize parse_image_size(const std::string& text) {
   const std::size_t cross = text.find('x');

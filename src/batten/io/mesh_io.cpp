@@ -398,7 +398,14 @@ TriangleMesh read_mesh(const std::string& path, std::vector<std::string>* warnin
   return parse_mesh(read_file(path), path, warnings);
 }
 
+std::optional<std::string> MeshWriteOptions::problem() const {
+  if (!(metres_per_unit > 0) || !std::isfinite(metres_per_unit))
+    return concat("metres_per_unit must be finite and above 0, got ", metres_per_unit);
+  return std::nullopt;
+}
+
 std::string format_mesh(const TriangleMesh& mesh, MeshFormat format, const MeshWriteOptions& options) {
+  if (const auto problem = options.problem()) throw InvalidInput(*problem);
   detail::check_arrays(mesh);
   switch (format) {
     case MeshFormat::Ply:

@@ -1,4 +1,5 @@
 #pragma once
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -36,8 +37,11 @@ MeshFormat mesh_format(std::string_view path);
 struct MeshWriteOptions {
   /// Text instead of bytes, for PLY and STL (the others are text always). Numbers read back exactly.
   bool ascii = false;
-  /// What a length of 1 of the mesh is, for the formats that have a unit: glTF and 3MF.
+  /// What a length of 1 of the mesh is, for the formats that have a unit: glTF and 3MF. Above 0.
   double metres_per_unit = 1;
+
+  /// The first problem found, naming field and value, or nothing.
+  std::optional<std::string> problem() const;
 };
 
 /// Writes a mesh in the format of the extension. PLY keeps normals and values per vertex bit for bit.

@@ -31,6 +31,9 @@ struct CornersOptions {
   /// Of the images; nothing takes the one that the file names, else the smallest usual size that holds all
   /// corners, with a warning.
   std::optional<ImageSize> size;
+
+  /// The first problem found, naming field and value, or nothing.
+  std::optional<std::string> problem() const;
 };
 
 /// Reads the corners of a board in pairs of images: rows `pair,camera,corner,col,row,x_px,y_px` (camera is

@@ -127,101 +127,147 @@ void split_doubled_edges(TriangleMesh& mesh, std::vector<int>& patch) {
   }
 }
 
+/// Makes the network of a model: its vertices are parts of the corners around those of the refined surface.
+class ModelNetworkBuilder {
+ public:
+  /// Both must outlive this.
+  ModelNetworkBuilder(const PolylineMesh& mesh, const DiffusionSurface& surface)
+      : mesh_(mesh),
+        surface_(surface),
+        refined_(surface.refined.mesh),
+        on_edge_(static_cast<size_t>(refined_.positions.rows()), 0),
+        part_(refined_.corners.size()),
+        sharpness_(on_edge_.size(), 0) {
+    for (const std::vector<int>& chain : surface.vertices_of_edge)
+      for (const int v : chain) on_edge_[at(v)] = 1;
+    number_parts();
+  }
+
+  ModelNetwork network() {
+    add_curves();
+    place_vertices();
+    add_cycles();
+    return std::move(result_);
+  }
+
+ private:
+  /// Parts are numbered by their first corners. A face has one at each of its vertices: its quads there lie
+  /// in one fan without sharp edges.
+  void number_parts() {
+    Sides sides(surface_.refined);
+    std::vector<int> number(part_.size(), -1);
+    for (size_t c = 0; c < part_.size(); ++c) {
+      int& own = number[at(sides.part(c))];
+      if (own < 0) own = n_parts_++;
+      part_[c] = own;
+      const int v = refined_.corners[c], next = refined_.corners[c / 4 * 4 + (c + 1) % 4];
+      if (!on_edge_[at(v)]) continue;
+      part_of_face_.insert({{surface_.face_of_quad[c / 4], v}, own});
+      if (on_edge_[at(next)]) walks_.insert({surface_.face_of_quad[c / 4], v, next});
+    }
+    vertex_of_part_.assign(at(n_parts_), -1);
+  }
+
+  /// The vertex of the network for that of the surface, as a face sees it.
+  int vertex(int face, int v) {
+    const int own = part_of_face_.at({face, v});
+    int& found = vertex_of_part_[at(own)];
+    if (found < 0) {
+      found = static_cast<int>(part_of_vertex_.size());
+      part_of_vertex_.push_back(own);
+      result_.place.push_back(v);
+    }
+    return found;
+  }
+
+  /// A curve for each edge, two where its faces have different vertices.
+  void add_curves() {
+    std::vector<NetworkCurve>& curves = result_.network.curves;
+    for (size_t e = 0; e < mesh_.edges().size(); ++e) {
+      const SketchEdge& edge = mesh_.edges()[e];
+      if (!edge.alive) continue;
+      for (const int v : surface_.vertices_of_edge[e])
+        sharpness_[at(v)] = std::max(sharpness_[at(v)], edge.sharpness);
+      for (size_t side = 0; side < 2; ++side) {
+        if (edge.faces[side] < 0) continue;
+        NetworkCurve curve;
+        curve.name = concat("c", edge.curve);
+        curve.boundary = edge.faces[1 - side] < 0;
+        for (const int v : surface_.vertices_of_edge[e])
+          curve.vertices.push_back(vertex(edge.faces[side], v));
+        if (side == 1 && edge.faces[0] >= 0 && curve.vertices == curves.back().vertices) continue;
+        tag_ends(curve);
+        curves.push_back(std::move(curve));
+      }
+    }
+  }
+
+  /// Ends of edges are nodes even where two edges meet smoothly.
+  void tag_ends(const NetworkCurve& curve) {
+    is_node_.resize(part_of_vertex_.size(), 0);
+    for (const int end : {curve.vertices.front(), curve.vertices.back()}) {
+      if (!is_node_[at(end)]) result_.network.tagged_nodes.push_back(end);
+      is_node_[at(end)] = 1;
+    }
+  }
+
+  void place_vertices() {
+    CurveNetwork& network = result_.network;
+    const Points of_part = corner_normals(refined_, part_, n_parts_);
+    const Points of_both =
+        corner_normals(refined_, refined_.corners, static_cast<int>(refined_.positions.rows()));
+    network.positions.resize(static_cast<Index>(part_of_vertex_.size()), 3);
+    network.normals.resize(network.positions.rows(), 3);
+    for (size_t k = 0; k < part_of_vertex_.size(); ++k) {
+      const int v = result_.place[k];
+      const double sharp = std::min(sharpness_[at(v)], 1.0);
+      const Eigen::RowVector3d own = of_part.row(part_of_vertex_[k]);
+      const Eigen::RowVector3d mixed = sharp * own + (1 - sharp) * of_both.row(v);
+      network.positions.row(static_cast<Index>(k)) = refined_.positions.row(v);
+      network.normals.row(static_cast<Index>(k)) = mixed.norm() > 0.05 ? mixed.normalized() : own;
+    }
+  }
+
+  void add_cycles() {
+    for (size_t f = 0; f < mesh_.faces().size(); ++f) {
+      if (!mesh_.faces()[f].alive) continue;
+      const int face = static_cast<int>(f);
+      std::vector<int> loop;
+      for (const int side : mesh_.faces()[f].sides) {
+        std::vector<int> chain = surface_.vertices_of_edge[at(edge_of(side))];
+        if (side & 1) std::reverse(chain.begin(), chain.end());
+        loop.insert(loop.end(), chain.begin(), chain.end() - 1);
+      }
+      // Closed components that were drawn inside out have been turned.
+      if (!walks_.count({face, loop[0], loop[1]})) std::reverse(loop.begin(), loop.end());
+      for (int& v : loop) v = vertex(face, v);
+      NetworkCycle cycle;
+      cycle.name = concat("the face f", face);
+      cycle.loops.emplace_back();
+      cycle.loops.back().vertices = std::move(loop);
+      result_.cycles.push_back(std::move(cycle));
+      result_.face_of_cycle.push_back(face);
+    }
+  }
+
+  const PolylineMesh& mesh_;
+  const DiffusionSurface& surface_;
+  const PolygonMesh& refined_;
+  std::vector<char> on_edge_;  ///< per vertex of the surface: on an edge of the model
+  std::vector<int> part_;      ///< per corner of the surface
+  int n_parts_ = 0;
+  std::map<std::pair<int, int>, int> part_of_face_;  ///< by face and vertex
+  std::set<std::array<int, 3>> walks_;               ///< faces, and edges in the sense of their quads
+  std::vector<int> vertex_of_part_, part_of_vertex_;
+  std::vector<double> sharpness_;  ///< per vertex of the surface, of its sharpest edge
+  std::vector<char> is_node_;      ///< per vertex of the network
+  ModelNetwork result_;
+};
+
 }  // namespace
 
 ModelNetwork network_of_model(const PolylineMesh& mesh, const DiffusionSurface& surface) {
-  const PolygonMesh& refined = surface.refined.mesh;
-  Sides sides(surface.refined);
-  const auto n_corners = refined.corners.size();
-  std::vector<char> on_edge(static_cast<size_t>(refined.positions.rows()), 0);
-  for (const std::vector<int>& chain : surface.vertices_of_edge)
-    for (const int v : chain) on_edge[at(v)] = 1;
-  // Parts are numbered by their first corners. A face has one at each of its vertices: its quads there lie in
-  // one fan without sharp edges.
-  std::vector<int> number(n_corners, -1), part(n_corners);
-  int n_parts = 0;
-  std::map<std::pair<int, int>, int> part_of_face;  // by face and vertex
-  std::set<std::array<int, 3>> walks;               // faces, and edges in the sense of their quads
-  for (size_t c = 0; c < n_corners; ++c) {
-    int& own = number[at(sides.part(c))];
-    if (own < 0) own = n_parts++;
-    part[c] = own;
-    const int v = refined.corners[c], next = refined.corners[c / 4 * 4 + (c + 1) % 4];
-    if (!on_edge[at(v)]) continue;
-    part_of_face.insert({{surface.face_of_quad[c / 4], v}, own});
-    if (on_edge[at(next)]) walks.insert({surface.face_of_quad[c / 4], v, next});
-  }
-
-  ModelNetwork result;
-  CurveNetwork& network = result.network;
-  std::vector<int> vertex_of_part(at(n_parts), -1), part_of_vertex;
-  const auto vertex = [&](int face, int v) {
-    const int own = part_of_face.at({face, v});
-    int& found = vertex_of_part[at(own)];
-    if (found < 0) {
-      found = static_cast<int>(part_of_vertex.size());
-      part_of_vertex.push_back(own);
-      result.place.push_back(v);
-    }
-    return found;
-  };
-  std::vector<double> sharpness(on_edge.size(), 0);
-  std::vector<char> is_node;
-  for (size_t e = 0; e < mesh.edges().size(); ++e) {
-    const SketchEdge& edge = mesh.edges()[e];
-    if (!edge.alive) continue;
-    for (const int v : surface.vertices_of_edge[e])
-      sharpness[at(v)] = std::max(sharpness[at(v)], edge.sharpness);
-    for (size_t side = 0; side < 2; ++side) {
-      if (edge.faces[side] < 0) continue;
-      NetworkCurve curve;
-      curve.name = concat("c", edge.curve);
-      curve.boundary = edge.faces[1 - side] < 0;
-      for (const int v : surface.vertices_of_edge[e]) curve.vertices.push_back(vertex(edge.faces[side], v));
-      if (side == 1 && edge.faces[0] >= 0 && curve.vertices == network.curves.back().vertices) continue;
-      // Ends of edges are nodes even where two edges meet smoothly.
-      is_node.resize(part_of_vertex.size(), 0);
-      for (const int end : {curve.vertices.front(), curve.vertices.back()}) {
-        if (!is_node[at(end)]) network.tagged_nodes.push_back(end);
-        is_node[at(end)] = 1;
-      }
-      network.curves.push_back(std::move(curve));
-    }
-  }
-
-  const Points of_part = corner_normals(refined, part, n_parts);
-  const Points of_both = corner_normals(refined, refined.corners, static_cast<int>(refined.positions.rows()));
-  network.positions.resize(static_cast<Index>(part_of_vertex.size()), 3);
-  network.normals.resize(network.positions.rows(), 3);
-  for (size_t k = 0; k < part_of_vertex.size(); ++k) {
-    const int v = result.place[k];
-    const double sharp = std::min(sharpness[at(v)], 1.0);
-    const Eigen::RowVector3d own = of_part.row(part_of_vertex[k]);
-    const Eigen::RowVector3d mixed = sharp * own + (1 - sharp) * of_both.row(v);
-    network.positions.row(static_cast<Index>(k)) = refined.positions.row(v);
-    network.normals.row(static_cast<Index>(k)) = mixed.norm() > 0.05 ? mixed.normalized() : own;
-  }
-
-  for (size_t f = 0; f < mesh.faces().size(); ++f) {
-    if (!mesh.faces()[f].alive) continue;
-    const int face = static_cast<int>(f);
-    std::vector<int> loop;
-    for (const int side : mesh.faces()[f].sides) {
-      std::vector<int> chain = surface.vertices_of_edge[at(edge_of(side))];
-      if (side & 1) std::reverse(chain.begin(), chain.end());
-      loop.insert(loop.end(), chain.begin(), chain.end() - 1);
-    }
-    // Closed components that were drawn inside out have been turned.
-    if (!walks.count({face, loop[0], loop[1]})) std::reverse(loop.begin(), loop.end());
-    for (int& v : loop) v = vertex(face, v);
-    NetworkCycle cycle;
-    cycle.name = concat("the face f", face);
-    cycle.loops.emplace_back();
-    cycle.loops.back().vertices = std::move(loop);
-    result.cycles.push_back(std::move(cycle));
-    result.face_of_cycle.push_back(face);
-  }
-  return result;
+  return ModelNetworkBuilder(mesh, surface).network();
 }
 
 FilledModel fill_model(const PolylineMesh& mesh, const DiffusionSurface& surface,

@@ -62,15 +62,16 @@ TriangleMesh measured_mesh(TriangleMesh a, const Comparison& distances) {
   return a;
 }
 
-TruthErrors truth_errors(const Shape& made, const Shape& truth, const Progress& progress) {
+TruthErrors truth_errors(const Shape& made, const Shape& truth, RegistrationKind registration,
+                         const Progress& progress) {
   CompareOptions options;
-  options.registration = RegistrationKind::Rigid;
+  options.registration = registration;
   const Comparison found = compare(made, truth, options, progress);
   const double percent = 100 / found.diameter;
   TruthErrors errors;
   errors.diameter = found.diameter;
   errors.vertices = percent * found.a_to_b.vertex_distances;
-  errors.figures = found.a_to_b.vertices;
+  errors.figures = errors.lengths = found.a_to_b.vertices;
   for (double* value : {&errors.figures.max, &errors.figures.mean, &errors.figures.rms}) *value *= percent;
   errors.normal_angles = found.a_to_b.normal_angles;
   return errors;

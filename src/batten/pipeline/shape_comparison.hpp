@@ -36,16 +36,20 @@ ShapeComparison compared_shapes(const Shape& a, const Shape& b, const CompareOpt
 /// The mesh that was measured as A, moved as it was, with its distances per vertex as the value "distance".
 TriangleMesh measured_mesh(TriangleMesh a, const Comparison& distances);
 
-/// How far something made is from the truth, after a rigid motion onto it.
+/// How far something made is from the truth, after a motion onto it.
 struct TruthErrors {
   /// Per vertex, in per cent of `diameter`; NaN where no element uses the vertex.
   Eigen::VectorXd vertices;
   DistanceFigures figures;        ///< over the vertices, in per cent of `diameter`
+  DistanceFigures lengths;        ///< the same in the unit of the truth
   DistanceFigures normal_angles;  ///< radians; see DirectedComparison
   double diameter = 0;            ///< of the truth
 };
 
-/// @throws InvalidInput as compare(); Cancelled.
-TruthErrors truth_errors(const Shape& made, const Shape& truth, const Progress& progress = {});
+/// What `batten reconstruct --truth` measures, and `batten render --against` shows.
+/// @param registration which motions what was made is moved by. @throws InvalidInput as compare(); Cancelled.
+TruthErrors truth_errors(const Shape& made, const Shape& truth,
+                         RegistrationKind registration = RegistrationKind::Rigid,
+                         const Progress& progress = {});
 
 }  // namespace batten

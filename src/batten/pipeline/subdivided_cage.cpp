@@ -81,16 +81,20 @@ void describe(const ControlCage& cage, SubdividedCage& result) {
 
 }  // namespace
 
+std::optional<std::string> CagePatchesOptions::problem() const {
+  BsplineOptions limit;
+  limit.tolerance = tolerance;
+  if (auto wrong = limit.problem()) return wrong;
+  return step.problem();
+}
+
 std::optional<std::string> SubdividedCageOptions::problem() const {
   if (patches && subdivision.scheme != SubdivisionScheme::CatmullClark)
     return "patches are those of the limit surface of Catmull-Clark; the other schemes have no B-splines as "
            "their "
            "limit";
   if (auto problem = subdivision.problem()) return problem;
-  if (!patches) return std::nullopt;
-  BsplineOptions limit;
-  limit.tolerance = patches->tolerance;
-  return limit.problem();
+  return patches ? patches->problem() : std::nullopt;
 }
 
 SubdividedCage subdivided_cage(const ControlCage& cage, const SubdividedCageOptions& options,

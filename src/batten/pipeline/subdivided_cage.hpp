@@ -18,6 +18,9 @@ namespace batten {
 struct CagePatchesOptions {
   double tolerance = BsplineOptions{}.tolerance;  ///< as BsplineOptions::tolerance
   StepOptions step;
+
+  /// The first problem found, naming field and value, or nothing.
+  std::optional<std::string> problem() const;
 };
 
 /// Options of subdivided_cage(). The defaults are those of `batten subdivide`.

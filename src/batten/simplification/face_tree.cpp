@@ -14,7 +14,6 @@ using Eigen::Vector3d;
 namespace {
 
 constexpr int kLeafSize = 4;
-constexpr std::size_t kMaxStar = 64;  ///< triangles of a query whose boxes are kept
 /// Least cosine to the mean normal for triangles that count as looking to the same side.
 constexpr float kSameSide = 0.3F;
 /// Sines and relative volumes below this are rounding, and count as zero.
@@ -317,7 +316,19 @@ std::vector<FaceTree::Triangle> FaceTree::as_they_are(const std::vector<int>& fa
   return triangles;
 }
 
-bool FaceTree::intersects(const std::vector<Triangle>& triangles, const std::vector<int>& replaced) {
+FaceTree::Bounds FaceTree::bounds_of(const Vector3d (&corners)[3]) {
+  Bounds b;
+  for (int k = 0; k < 3; ++k) {
+    const double low = std::min({corners[0][k], corners[1][k], corners[2][k]}),
+                 high = std::max({corners[0][k], corners[1][k], corners[2][k]});
+    b.low[k] = float_below(low);
+    b.high[k] = float_above(high);
+  }
+  return b;
+}
+
+FaceTree::Query FaceTree::query_of(const std::vector<Triangle>& triangles, const std::vector<int>& replaced) {
+  Query query{triangles, replaced};
   ++stamp_;
   // Where old and new triangles all look to the same side as their mean, they cover the same polygon in the
   // plane across it: then they do not meet each other, nor faces beside them that look to that side too.
@@ -330,103 +341,95 @@ bool FaceTree::intersects(const std::vector<Triangle>& triangles, const std::vec
     mean += normals[i];
   }
   mean.normalize();
-  const Eigen::Vector3f side = mean.cast<float>();
-  bool graph = triangles.size() <= kMaxStar;
-  for (std::size_t i = 0; i < n_normals && graph; ++i)
-    graph = normals[i].dot(mean) > kSameSide * normals[i].norm();
+  query.side = mean.cast<float>();
+  query.graph = triangles.size() <= kMaxStar;
+  for (std::size_t i = 0; i < n_normals && query.graph; ++i)
+    query.graph = normals[i].dot(mean) > kSameSide * normals[i].norm();
   for (const int f : replaced) {
     excluded_[f] = stamp_;
-    graph = graph && normal_[f].dot(side) > kSameSide;
+    query.graph = query.graph && normal_[f].dot(query.side) > kSameSide;
   }
-  if (graph)
+  if (query.graph)
     for (const Triangle& t : triangles)
       for (const int v : t.corner) ring_[v] = stamp_;
-  else if (touch_each_other(triangles) && !cross_each_other(as_they_are(replaced)))
-    return true;
-  if (nodes_.empty()) return false;
-  struct Bounds {
-    float low[3], high[3];
-    bool misses(const float* l, const float* h) const {
-      return l[0] > high[0] || h[0] < low[0] || l[1] > high[1] || h[1] < low[1] || l[2] > high[2] ||
-             h[2] < low[2];
-    }
-  };
-  const auto bounds_of = [](const Vector3d* p, int n) {
-    Bounds b;
+  return query;
+}
+
+void FaceTree::bound(Query& query) const {
+  for (std::size_t i = 0; i < query.triangles.size(); ++i) {
+    const Bounds b = bounds_of(query.triangles[i].point);
+    if (i < kMaxStar) query.bounds[i] = b;
     for (int k = 0; k < 3; ++k) {
-      double low = p[0][k], high = low;
-      for (int i = 1; i < n; ++i) {
-        low = std::min(low, p[i][k]);
-        high = std::max(high, p[i][k]);
-      }
-      b.low[k] = float_below(low);
-      b.high[k] = float_above(high);
-    }
-    return b;
-  };
-  Bounds all;
-  std::array<Bounds, kMaxStar> bounds;
-  const std::size_t n_bounded = std::min(triangles.size(), bounds.size());
-  for (std::size_t i = 0; i < triangles.size(); ++i) {
-    const Bounds b = bounds_of(triangles[i].point, 3);
-    if (i < n_bounded) bounds[i] = b;
-    for (int k = 0; k < 3; ++k) {
-      all.low[k] = i == 0 ? b.low[k] : std::min(all.low[k], b.low[k]);
-      all.high[k] = i == 0 ? b.high[k] : std::max(all.high[k], b.high[k]);
+      query.all.low[k] = i == 0 ? b.low[k] : std::min(query.all.low[k], b.low[k]);
+      query.all.high[k] = i == 0 ? b.high[k] : std::max(query.all.high[k], b.high[k]);
     }
   }
   // On one closed surface another sheet that looks to the same side is hidden behind one that does not, and
   // cannot be reached without meeting that first: same-sided boxes need no visit. The old triangles
   // belong to what is swept.
-  const bool skip = graph && alternates_;
-  if (skip)
-    for (const int f : replaced)
-      for (int k = 0; k < 3; ++k)
-        for (int axis = 0; axis < 3; ++axis) {
-          const double x = mesh_.position(mesh_.from(3 * f + k))[axis];
-          all.low[axis] = std::min(all.low[axis], float_below(x));
-          all.high[axis] = std::max(all.high[axis], float_above(x));
-        }
+  query.skip = query.graph && alternates_;
+  if (!query.skip) return;
+  for (const int f : query.replaced)
+    for (int k = 0; k < 3; ++k)
+      for (int axis = 0; axis < 3; ++axis) {
+        const double x = mesh_.position(mesh_.from(3 * f + k))[axis];
+        query.all.low[axis] = std::min(query.all.low[axis], float_below(x));
+        query.all.high[axis] = std::max(query.all.high[axis], float_above(x));
+      }
+}
+
+bool FaceTree::may_meet(const Query& query, const Node& node) const {
+  if (query.all.misses(node.low, node.high)) return false;
+  if (!query.skip) return true;
+  float least = 0;
+  for (int k = 0; k < 3; ++k)
+    least += query.side[k] * (query.side[k] > 0 ? node.normal_low[k] : node.normal_high[k]);
+  return !(least > kSameSide);
+}
+
+bool FaceTree::meets(const Query& query, int f) {
+  if (!mesh_.has_face(f) || excluded_[f] == stamp_) return false;
+  Triangle other;
+  for (int k = 0; k < 3; ++k) other.corner[k] = mesh_.from(3 * f + k);
+  if (query.graph &&
+      (ring_[other.corner[0]] == stamp_ || ring_[other.corner[1]] == stamp_ ||
+       ring_[other.corner[2]] == stamp_) &&
+      normal_[f].dot(query.side) > kSameSide)
+    return false;
+  for (int k = 0; k < 3; ++k) other.point[k] = mesh_.position(other.corner[k]);
+  const Bounds b = bounds_of(other.point);
+  if (query.all.misses(b.low, b.high)) return false;
+  for (std::size_t t = 0; t < query.triangles.size(); ++t) {
+    if (t < kMaxStar && query.bounds[t].misses(b.low, b.high)) continue;
+    if (!triangles_touch(query.triangles[t], other)) continue;
+    // What intersects already may go on doing so; else nothing could be done where the input does.
+    const std::vector<Triangle> present = as_they_are(query.replaced);
+    if (std::none_of(present.begin(), present.end(),
+                     [&](const Triangle& p) { return triangles_cross(p, other); }))
+      return true;
+    alternates_ = false;  // sheets that pass through each other hide nothing
+    break;
+  }
+  return false;
+}
+
+bool FaceTree::intersects(const std::vector<Triangle>& triangles, const std::vector<int>& replaced) {
+  Query query = query_of(triangles, replaced);
+  if (!query.graph && touch_each_other(triangles) && !cross_each_other(as_they_are(replaced))) return true;
+  if (nodes_.empty()) return false;
+  bound(query);
   stack_.assign(1, 0);
   while (!stack_.empty()) {
     const Node& node = nodes_[stack_.back()];
     stack_.pop_back();
-    if (all.misses(node.low, node.high)) continue;
-    if (skip) {
-      float least = 0;
-      for (int k = 0; k < 3; ++k) least += side[k] * (side[k] > 0 ? node.normal_low[k] : node.normal_high[k]);
-      if (least > kSameSide) continue;
-    }
+    if (!may_meet(query, node)) continue;
     if (node.right > 0) {
       stack_.push_back(node.left);
       stack_.push_back(node.right);
       continue;
     }
-    for (std::int32_t i = node.left; i < node.left - node.right; ++i) {
-      const int f = faces_[i];
-      if (!mesh_.has_face(f) || excluded_[f] == stamp_) continue;
-      Triangle other;
-      for (int k = 0; k < 3; ++k) other.corner[k] = mesh_.from(3 * f + k);
-      if (graph &&
-          (ring_[other.corner[0]] == stamp_ || ring_[other.corner[1]] == stamp_ ||
-           ring_[other.corner[2]] == stamp_) &&
-          normal_[f].dot(side) > kSameSide)
-        continue;
-      for (int k = 0; k < 3; ++k) other.point[k] = mesh_.position(other.corner[k]);
-      const Bounds b = bounds_of(other.point, 3);
-      if (all.misses(b.low, b.high)) continue;
-      for (std::size_t t = 0; t < triangles.size(); ++t) {
-        if (t < n_bounded && bounds[t].misses(b.low, b.high)) continue;
-        if (!triangles_touch(triangles[t], other)) continue;
-        // What intersects already may go on doing so; else nothing could be done where the input does.
-        const std::vector<Triangle> present = as_they_are(replaced);
-        const bool before = std::any_of(present.begin(), present.end(),
-                                        [&](const Triangle& p) { return triangles_cross(p, other); });
-        if (!before) return true;
-        alternates_ = false;  // sheets that pass through each other hide nothing
-        break;
-      }
-    }
+    for (std::int32_t i = node.left; i < node.left - node.right; ++i)
+      if (meets(query, faces_[i])) return true;
   }
   return false;
 }

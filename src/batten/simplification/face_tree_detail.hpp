@@ -1,4 +1,6 @@
 #pragma once
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -40,6 +42,29 @@ class FaceTree {
     float normal_low[3], normal_high[3];  ///< bounds of the unit normals of its faces
     std::int32_t parent, left, right;     ///< of a leaf: left = first in faces_, right = −count
   };
+  struct Bounds {
+    float low[3], high[3];
+    bool misses(const float* l, const float* h) const {
+      return l[0] > high[0] || h[0] < low[0] || l[1] > high[1] || h[1] < low[1] || l[2] > high[2] ||
+             h[2] < low[2];
+    }
+  };
+  static constexpr std::size_t kMaxStar = 64;  ///< triangles of a query whose boxes are kept
+  /// What intersects() asks.
+  struct Query {
+    const std::vector<Triangle>& triangles;
+    const std::vector<int>& replaced;
+    Eigen::Vector3f side = Eigen::Vector3f::Zero();  ///< the mean normal of the new triangles
+    bool graph = false;                              ///< old and new triangles all look to that side
+    bool skip = false;                               ///< boxes whose faces all look there too need no visit
+    Bounds all{};                                    ///< of the new triangles, and with `skip` of the old
+    std::array<Bounds, kMaxStar> bounds{};           ///< of each of the new
+  };
+  static Bounds bounds_of(const Eigen::Vector3d (&corners)[3]);
+  Query query_of(const std::vector<Triangle>& triangles, const std::vector<int>& replaced);
+  void bound(Query& query) const;
+  bool may_meet(const Query& query, const Node& node) const;
+  bool meets(const Query& query, int f);
   std::vector<Triangle> as_they_are(const std::vector<int>& faces) const;
   void rebuild();
   void set_normal(int f);

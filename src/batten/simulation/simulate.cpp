@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include "batten/core/error.hpp"
 #include "batten/core/random.hpp"
@@ -83,6 +85,112 @@ double bump(double x) {
   return std::abs(x) < 1 ? 0.5 * (1 + std::cos(kPi * x)) : 0.0;
 }
 
+/// A device that goes along the curves of an object one after the other.
+class ScanningDevice {
+ public:
+  /// All must outlive this.
+  ScanningDevice(const TracedNetwork& traced, const SimulateOptions& options)
+      : traced_(traced),
+        options_(options),
+        step_(options.step * traced.diameter),
+        correlation_length_(options.drift_length * traced.diameter),
+        random_(options.seed) {
+    if (options.disturbance == 0) return;
+    Random choice(options.seed, kDisturbance);
+    report_.disturbed_curve = static_cast<int>(choice.below(traced.curves.size()));
+    const double length = traced.curves[static_cast<size_t>(report_.disturbed_curve)].path->length();
+    const double half = options.disturbance_extent / 2;
+    report_.disturbed_centre = length * choice.uniform(half, 1 - half);
+  }
+
+  SimulatedScan scan() {
+    SimulatedScan result;
+    for (size_t c = 0; c < traced_.curves.size(); ++c) add_curve(c, result);
+    report_.rms_orientation_noise = std::sqrt(white_squares_ / (3.0 * static_cast<double>(n_readings_)));
+    report_.rms_drift = std::sqrt(drift_squares_ / (3.0 * static_cast<double>(n_readings_)));
+    result.report = std::move(report_);
+    result.scan.tangents = TangentConvention::AtSample;
+    return result;
+  }
+
+ private:
+  void add_curve(size_t c, SimulatedScan& result) {
+    const TracedCurve& curve = traced_.curves[c];
+    ScanCurve out;
+    out.name = curve.name;
+    out.boundary = curve.boundary;
+    out.closed = curve.closed;
+    std::vector<double> distances;
+    place_readings(curve, step_, options_, random_.jitter, distances, out);
+
+    const double factor = (1 + options_.odometer_error * random_.odometer.normal()) *
+                          (1 + options_.curve_length_error * random_.curve_length.uniform(-1, 1));
+    if (!(factor > 0))
+      throw InvalidInput("odometer_error is so large that a curve has no length; make it smaller");
+    report_.distance_factors.push_back(factor);
+
+    const auto n = static_cast<Eigen::Index>(distances.size());
+    out.distances.resize(n);
+    out.tangents.resize(n, 3);
+    out.normals.resize(n, 3);
+    std::vector<Matrix3d> frames;
+    drift_.setZero();
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const double s = distances[static_cast<size_t>(i)];
+      const CurvePoint point = curve.path->at(s);
+      frames.push_back(darboux_frame(point.tangent, point.normal));
+      const double memory =
+          i == 0 ? 0 : std::exp(-(s - distances[static_cast<size_t>(i) - 1]) / correlation_length_);
+      const Matrix3d measured = reading(frames.back(), memory, disturbance(c, s));
+      out.distances[i] = factor * s;
+      out.tangents.row(i) = measured.col(0);
+      out.normals.row(i) = measured.col(1);
+    }
+    n_readings_ += n;
+    result.true_distances.emplace_back(Eigen::Map<const Eigen::VectorXd>(distances.data(), n));
+    result.true_frames.push_back(std::move(frames));
+    result.scan.curves.push_back(std::move(out));
+  }
+
+  /// The turn of the heading at distance s of a curve, radians; nothing on curves that are not disturbed.
+  std::optional<double> disturbance(size_t curve, double s) const {
+    if (report_.disturbed_curve != static_cast<int>(curve)) return std::nullopt;
+    const double half_width = options_.disturbance_extent * traced_.curves[curve].path->length() / 2;
+    return options_.disturbance * bump((s - report_.disturbed_centre) / half_width);
+  }
+
+  /// What the device reads of a frame. The numbers are drawn whatever the amplitudes, so that every effect
+  /// has the same course at any size. @param memory the share of the drift of the reading before that is
+  /// left.
+  Matrix3d reading(const Matrix3d& truth, double memory, const std::optional<double>& turn) {
+    const Vector3d white = options_.orientation_noise * random_.white.normal3();
+    const Vector3d fresh = random_.drift.normal3();
+    drift_ = memory * drift_ + std::sqrt(1 - memory * memory) * options_.drift * fresh;
+    white_squares_ += white.squaredNorm();
+    drift_squares_ += drift_.squaredNorm();
+
+    Matrix3d measured = truth;
+    if (turn) measured = so3_exp({0, 0, *turn}) * measured;
+    const Vector3d error = white + drift_;
+    if (error.squaredNorm() > 0) measured = so3_exp(error) * measured;
+    const Matrix3d anywhere = random_rotation(random_.outlier_frame);
+    if (random_.outlier_choice.uniform() < options_.outliers) {
+      measured = anywhere;
+      ++report_.n_outliers;
+    }
+    return measured;
+  }
+
+  const TracedNetwork& traced_;
+  const SimulateOptions& options_;
+  double step_, correlation_length_;  ///< unit of the object
+  Streams random_;
+  SimulateReport report_;
+  Vector3d drift_ = Vector3d::Zero();  ///< at the last reading
+  double white_squares_ = 0, drift_squares_ = 0;
+  long n_readings_ = 0;
+};
+
 }  // namespace
 
 std::optional<std::string> SimulateOptions::problem() const {
@@ -110,89 +218,13 @@ std::optional<std::string> SimulateOptions::problem() const {
 SimulatedScan simulate_scan(const TracedNetwork& traced, const SimulateOptions& options) {
   if (const auto problem = options.problem()) throw InvalidInput(*problem);
   if (traced.curves.empty()) throw InvalidInput("the object to be scanned has no curves");
-  SimulatedScan result;
-  SimulateReport& report = result.report;
-  const double correlation_length = options.drift_length * traced.diameter;
-  Streams random(options.seed);
-  if (options.disturbance != 0) {
-    Random choice(options.seed, kDisturbance);
-    report.disturbed_curve = static_cast<int>(choice.below(traced.curves.size()));
-    const double length = traced.curves[static_cast<size_t>(report.disturbed_curve)].path->length();
-    const double half = options.disturbance_extent / 2;
-    report.disturbed_centre = length * choice.uniform(half, 1 - half);
-  }
-
   double length = 0;
   for (const TracedCurve& curve : traced.curves) length += curve.path->length();
   constexpr double kMostReadings = 1e8;
   if (const double n = length / (options.step * traced.diameter); n > kMostReadings)
     throw InvalidInput(
         concat("the step gives about ", n, " readings, more than ", kMostReadings, "; use a longer one"));
-  double white_squares = 0;
-  double drift_squares = 0;
-  long n_readings = 0;
-  for (size_t c = 0; c < traced.curves.size(); ++c) {
-    const TracedCurve& curve = traced.curves[c];
-    ScanCurve out;
-    out.name = curve.name;
-    out.boundary = curve.boundary;
-    out.closed = curve.closed;
-    std::vector<double> distances;
-    place_readings(curve, options.step * traced.diameter, options, random.jitter, distances, out);
-
-    const double factor = (1 + options.odometer_error * random.odometer.normal()) *
-                          (1 + options.curve_length_error * random.curve_length.uniform(-1, 1));
-    if (!(factor > 0))
-      throw InvalidInput("odometer_error is so large that a curve has no length; make it smaller");
-    report.distance_factors.push_back(factor);
-
-    const auto n = static_cast<Eigen::Index>(distances.size());
-    out.distances.resize(n);
-    out.tangents.resize(n, 3);
-    out.normals.resize(n, 3);
-    std::vector<Matrix3d> frames;
-    const double bump_half_width = options.disturbance_extent * curve.path->length() / 2;
-    Vector3d drift = Vector3d::Zero();
-    for (Eigen::Index i = 0; i < n; ++i) {
-      const double s = distances[static_cast<size_t>(i)];
-      const CurvePoint point = curve.path->at(s);
-      const Matrix3d truth = darboux_frame(point.tangent, point.normal);
-      frames.push_back(truth);
-
-      // The numbers are drawn whatever the amplitudes, so that every effect has the same course at any size.
-      const Vector3d white = options.orientation_noise * random.white.normal3();
-      const Vector3d fresh = random.drift.normal3();
-      const double memory =
-          i == 0 ? 0 : std::exp(-(s - distances[static_cast<size_t>(i) - 1]) / correlation_length);
-      drift = memory * drift + std::sqrt(1 - memory * memory) * options.drift * fresh;
-      white_squares += white.squaredNorm();
-      drift_squares += drift.squaredNorm();
-
-      Matrix3d measured = truth;
-      if (report.disturbed_curve == static_cast<int>(c)) {
-        const double turn = options.disturbance * bump((s - report.disturbed_centre) / bump_half_width);
-        measured = so3_exp({0, 0, turn}) * measured;
-      }
-      const Vector3d error = white + drift;
-      if (error.squaredNorm() > 0) measured = so3_exp(error) * measured;
-      const Matrix3d anywhere = random_rotation(random.outlier_frame);
-      if (random.outlier_choice.uniform() < options.outliers) {
-        measured = anywhere;
-        ++report.n_outliers;
-      }
-      out.distances[i] = factor * s;
-      out.tangents.row(i) = measured.col(0);
-      out.normals.row(i) = measured.col(1);
-    }
-    n_readings += n;
-    result.true_distances.emplace_back(Eigen::Map<const Eigen::VectorXd>(distances.data(), n));
-    result.true_frames.push_back(std::move(frames));
-    result.scan.curves.push_back(std::move(out));
-  }
-  report.rms_orientation_noise = std::sqrt(white_squares / (3.0 * static_cast<double>(n_readings)));
-  report.rms_drift = std::sqrt(drift_squares / (3.0 * static_cast<double>(n_readings)));
-  result.scan.tangents = TangentConvention::AtSample;
-  return result;
+  return ScanningDevice(traced, options).scan();
 }
 
 }  // namespace batten

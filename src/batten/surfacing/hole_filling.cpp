@@ -274,6 +274,117 @@ SimpleRims simple_rims(const std::vector<int>& rim, const std::vector<int>& plac
   return result;
 }
 
+/// Vertices and triangles that patches of holes add to a mesh.
+class PatchCollector {
+ public:
+  /// @param mesh outlives this.
+  explicit PatchCollector(const TriangleMesh& mesh)
+      : mesh_(mesh), at_patch_(static_cast<size_t>(mesh.n_vertices()), 0) {}
+
+  /// @param hole outlives this; its rim is that of the patch.
+  void add(const MeshHole& hole, const Patch& patch) {
+    const auto n = static_cast<int>(hole.rim.size());
+    const auto first = static_cast<int>(mesh_.n_vertices()) + static_cast<int>(positions_.size());
+    for (Index v = 0; v < patch.inner.rows(); ++v) {
+      positions_.emplace_back(patch.inner.row(v));
+      hole_of_.push_back(&hole);
+    }
+    for (const int v : hole.rim) at_patch_[at(v)] = 1;
+    for (Index f = 0; f < patch.triangles.rows(); ++f) {
+      const auto vertex = [&](int k) {
+        const int v = patch.triangles(f, k);
+        return v < n ? hole.rim[at(v)] : first + v - n;
+      };
+      triangles_.push_back({vertex(0), vertex(1), vertex(2)});
+    }
+  }
+
+  bool touches(int vertex) const { return at_patch_[at(vertex)] != 0; }
+
+  /// @param vertex_of per vertex of the mesh the one that takes its place in triangles.
+  TriangleMesh joined(const std::vector<int>& vertex_of) const {
+    TriangleMesh filled = mesh_;
+    const Index n_before = mesh_.n_vertices(), m_before = mesh_.n_triangles();
+    filled.positions.conservativeResize(n_before + static_cast<Index>(positions_.size()), 3);
+    for (size_t v = 0; v < positions_.size(); ++v)
+      filled.positions.row(n_before + static_cast<Index>(v)) = positions_[v];
+    filled.triangles = mesh_.triangles.unaryExpr([&](int v) { return vertex_of[at(v)]; });
+    filled.triangles.conservativeResize(m_before + static_cast<Index>(triangles_.size()), 3);
+    for (size_t f = 0; f < triangles_.size(); ++f)
+      filled.triangles.row(m_before + static_cast<Index>(f)) << triangles_[f][0], triangles_[f][1],
+          triangles_[f][2];
+    for (auto& [name, values] : filled.vertex_values) spread(values);
+    if (filled.normals.rows() > 0) {
+      const Points fresh = vertex_normals(filled.positions, filled.triangles);
+      filled.normals.conservativeResize(filled.n_vertices(), 3);
+      for (Index v = 0; v < filled.n_vertices(); ++v)
+        if (v >= n_before || touches(static_cast<int>(v))) filled.normals.row(v) = fresh.row(v);
+    }
+    return filled;
+  }
+
+ private:
+  /// Gives values per vertex of the mesh those of the new vertices: means over their rims.
+  void spread(Eigen::VectorXd& values) const {
+    const Index n_before = mesh_.n_vertices();
+    values.conservativeResize(n_before + static_cast<Index>(positions_.size()));
+    for (size_t v = 0; v < positions_.size(); ++v) {
+      double sum = 0, weights = 0;
+      for (const int r : hole_of_[v]->rim) {
+        const double weight = 1 / (positions_[v] - mesh_.positions.row(r)).squaredNorm();
+        sum += weight * values(r);
+        weights += weight;
+      }
+      values(n_before + static_cast<Index>(v)) = sum / weights;
+    }
+  }
+
+  const TriangleMesh& mesh_;
+  std::vector<char> at_patch_;  ///< per vertex of the mesh
+  std::vector<RowVector3d> positions_;
+  std::vector<std::array<int, 3>> triangles_;
+  std::vector<const MeshHole*> hole_of_;  ///< per added vertex
+};
+
+/// Pairs of vertices of rims that lie at one place.
+using JoinedVertices = std::vector<std::pair<int, int>>;
+
+/// The holes of a mesh, none filled. A rim that passes a place twice is two.
+std::vector<MeshHole> holes_of(const TriangleMesh& mesh, JoinedVertices& joined) {
+  std::vector<MeshHole> holes;
+  const MeshEdges edges = mesh_edges(mesh.triangles, mesh.n_vertices());
+  const std::vector<int> place = places_of_vertices(mesh.positions);
+  for (const std::vector<int>& rim : boundary_loops(mesh.triangles, edges)) {
+    SimpleRims simple = simple_rims(rim, place);
+    joined.insert(joined.end(), simple.joined.begin(), simple.joined.end());
+    for (std::vector<int>& part : simple.rims) holes.push_back({std::move(part)});
+  }
+  return holes;
+}
+
+/// The mesh with its patches. Two vertices at one place become one as soon as a hole beside them is filled;
+/// rims of the holes are renumbered.
+TriangleMesh with_patches(const PatchCollector& patches, const JoinedVertices& joined, Index n_vertices,
+                          std::vector<MeshHole>& holes) {
+  std::vector<int> vertex_of(static_cast<size_t>(n_vertices));
+  std::iota(vertex_of.begin(), vertex_of.end(), 0);
+  std::vector<int> replaced;
+  for (const auto& [kept, other] : joined)
+    if (patches.touches(kept)) {
+      vertex_of[at(other)] = kept;
+      replaced.push_back(other);
+    }
+  TriangleMesh filled = patches.joined(vertex_of);
+  if (replaced.empty()) return filled;
+  std::vector<char> gone(static_cast<size_t>(filled.n_vertices()), 0);
+  for (const int v : replaced) gone[at(v)] = 1;
+  std::vector<int> number(gone.size(), 0);
+  for (size_t v = 1; v < gone.size(); ++v) number[v] = number[v - 1] + (gone[v - 1] == 0 ? 1 : 0);
+  for (MeshHole& hole : holes)
+    for (int& v : hole.rim) v = number[at(vertex_of[at(v)])];
+  return without_vertices(filled, gone);
+}
+
 }  // namespace
 
 int FilledMesh::n_filled() const {
@@ -281,31 +392,31 @@ int FilledMesh::n_filled() const {
       std::count_if(holes.begin(), holes.end(), [](const MeshHole& hole) { return hole.filled; }));
 }
 
+std::optional<std::string> HoleFillingOptions::problem(Index n_vertices) const {
+  if (most_edges < 3) return concat("most_edges must be at least 3, got ", most_edges);
+  if (!left_open.empty() && left_open.size() != static_cast<size_t>(n_vertices))
+    return concat("left_open must have an entry per vertex or none, got ", left_open.size(), " entries for ",
+                  n_vertices, " vertices");
+  return std::nullopt;
+}
+
 FilledMesh filled_mesh(const TriangleMesh& mesh, const HoleFillingOptions& options,
                        const Progress& progress) {
-  if (options.most_edges < 3)
-    throw InvalidInput(concat("most_edges must be at least 3, got ", options.most_edges));
+  if (const auto problem = options.problem(mesh.n_vertices())) throw InvalidInput(*problem);
   FilledMesh result;
-  result.mesh = mesh;
-  const MeshEdges edges = mesh_edges(mesh.triangles, mesh.n_vertices());
-  const std::vector<int> place = places_of_vertices(mesh.positions);
-  std::vector<std::pair<int, int>> joined;  // vertices of rims that pass a place twice
-  for (const std::vector<int>& rim : boundary_loops(mesh.triangles, edges)) {
-    SimpleRims simple = simple_rims(rim, place);
-    joined.insert(joined.end(), simple.joined.begin(), simple.joined.end());
-    for (std::vector<int>& part : simple.rims) result.holes.push_back({std::move(part)});
-  }
+  JoinedVertices joined;
+  result.holes = holes_of(mesh, joined);
   const auto wanted = [&](const MeshHole& hole) {
     return hole.rim.size() <= at(options.most_edges) &&
            (options.left_open.empty() || std::none_of(hole.rim.begin(), hole.rim.end(),
                                                       [&](int v) { return options.left_open[at(v)] != 0; }));
   };
-  if (std::none_of(result.holes.begin(), result.holes.end(), wanted)) return result;
+  if (std::none_of(result.holes.begin(), result.holes.end(), wanted)) {
+    result.mesh = mesh;
+    return result;
+  }
   const HoleFiller filler(mesh);
-  std::vector<RowVector3d> positions;
-  std::vector<std::array<int, 3>> triangles;
-  std::vector<const MeshHole*> hole_of;  // per added vertex
-  std::vector<char> at_patch(static_cast<size_t>(mesh.n_vertices()), 0);
+  PatchCollector patches(mesh);
   for (size_t h = 0; h < result.holes.size(); ++h) {
     MeshHole& hole = result.holes[h];
     const double from = static_cast<double>(h) / static_cast<double>(result.holes.size()),
@@ -316,65 +427,9 @@ FilledMesh filled_mesh(const TriangleMesh& mesh, const HoleFillingOptions& optio
         filler.fill(hole.rim, hole.fair, progress.part("fill holes", from, to));
     if (!patch) continue;
     hole.filled = true;
-    const auto n = static_cast<int>(hole.rim.size());
-    const auto first = static_cast<int>(mesh.n_vertices()) + static_cast<int>(positions.size());
-    for (Index v = 0; v < patch->inner.rows(); ++v) {
-      positions.emplace_back(patch->inner.row(v));
-      hole_of.push_back(&hole);
-    }
-    for (const int v : hole.rim) at_patch[at(v)] = 1;
-    for (Index f = 0; f < patch->triangles.rows(); ++f) {
-      const auto vertex = [&](int k) {
-        const int v = patch->triangles(f, k);
-        return v < n ? hole.rim[at(v)] : first + v - n;
-      };
-      triangles.push_back({vertex(0), vertex(1), vertex(2)});
-    }
+    patches.add(hole, *patch);
   }
-  // Two vertices at one place become one as soon as a hole beside them is filled.
-  std::vector<int> vertex_of(static_cast<size_t>(mesh.n_vertices()));
-  std::iota(vertex_of.begin(), vertex_of.end(), 0);
-  std::vector<char> gone(static_cast<size_t>(mesh.n_vertices()) + positions.size(), 0);
-  for (const auto& [kept, other] : joined)
-    if (at_patch[at(kept)] != 0) {
-      vertex_of[at(other)] = kept;
-      gone[at(other)] = 1;
-    }
-  const Index n_before = mesh.n_vertices(), m_before = mesh.n_triangles();
-  TriangleMesh& filled = result.mesh;
-  filled.positions.conservativeResize(n_before + static_cast<Index>(positions.size()), 3);
-  for (size_t v = 0; v < positions.size(); ++v)
-    filled.positions.row(n_before + static_cast<Index>(v)) = positions[v];
-  filled.triangles = mesh.triangles.unaryExpr([&](int v) { return vertex_of[at(v)]; });
-  filled.triangles.conservativeResize(m_before + static_cast<Index>(triangles.size()), 3);
-  for (size_t f = 0; f < triangles.size(); ++f)
-    filled.triangles.row(m_before + static_cast<Index>(f)) << triangles[f][0], triangles[f][1],
-        triangles[f][2];
-  for (auto& [name, values] : filled.vertex_values) {
-    values.conservativeResize(filled.n_vertices());
-    for (size_t v = 0; v < positions.size(); ++v) {
-      double sum = 0, weights = 0;
-      for (const int r : hole_of[v]->rim) {
-        const double weight = 1 / (positions[v] - mesh.positions.row(r)).squaredNorm();
-        sum += weight * values(r);
-        weights += weight;
-      }
-      values(n_before + static_cast<Index>(v)) = sum / weights;
-    }
-  }
-  if (filled.normals.rows() > 0) {
-    const Points fresh = vertex_normals(filled.positions, filled.triangles);
-    filled.normals.conservativeResize(filled.n_vertices(), 3);
-    for (Index v = 0; v < filled.n_vertices(); ++v)
-      if (v >= n_before || at_patch[static_cast<size_t>(v)] != 0) filled.normals.row(v) = fresh.row(v);
-  }
-  if (std::count(gone.begin(), gone.end(), 1) > 0) {
-    std::vector<int> number(gone.size(), 0);
-    for (size_t v = 1; v < gone.size(); ++v) number[v] = number[v - 1] + (gone[v - 1] == 0 ? 1 : 0);
-    for (MeshHole& hole : result.holes)
-      for (int& v : hole.rim) v = number[at(vertex_of[at(v)])];
-    filled = without_vertices(filled, gone);
-  }
+  result.mesh = with_patches(patches, joined, mesh.n_vertices(), result.holes);
   return result;
 }
 

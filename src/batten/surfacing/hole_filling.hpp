@@ -1,4 +1,5 @@
 #pragma once
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,9 @@ struct HoleFillingOptions {
   int most_edges = kAllHoles;  ///< holes with more edges stay, at least 3; kAllHoles fills outlines too
   /// Per vertex, or empty: holes whose rim passes such a vertex stay.
   std::vector<char> left_open;
+
+  /// The first problem found for a mesh of so many vertices, naming field and value, or nothing.
+  std::optional<std::string> problem(Eigen::Index n_vertices) const;
 };
 
 /// Fills holes. Each rim is a closed curve of a network whose normals are those of quadrics fitted to the

@@ -55,6 +55,12 @@ std::optional<std::string> SurfaceOptions::problem() const {
   return std::nullopt;
 }
 
+std::optional<std::string> SurfaceMoveOptions::problem() const {
+  if (reach != SurfaceReach::Touched && reach != SurfaceReach::All)
+    return concat("reach must be Touched or All, got number ", static_cast<int>(reach));
+  return std::nullopt;
+}
+
 struct SurfaceSolver::Implementation {
   CurveNetwork network;
   SurfaceOptions options;
@@ -483,6 +489,7 @@ const SurfaceResult& SurfaceSolver::result() const {
 
 SurfaceMove SurfaceSolver::move(const Points& positions, const Points& normals,
                                 const SurfaceMoveOptions& options) {
+  if (const auto problem = options.problem()) throw InvalidInput(*problem);
   return implementation_->move(positions, normals, options);
 }
 

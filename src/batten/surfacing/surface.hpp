@@ -102,6 +102,9 @@ struct SurfaceMoveOptions {
   /// For while a curve is dragged: curves carry the surface with them, but its normals, the fit to their
   /// curvature and the counts of folded triangles wait for the next whole move. About a third of the time.
   bool positions_only = false;
+
+  /// The first problem found, naming field and value, or nothing.
+  std::optional<std::string> problem() const;
 };
 
 /// Vertices first … end − 1.
