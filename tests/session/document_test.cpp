@@ -261,6 +261,9 @@ TEST(Document, RefusalsNameTheObjectAndARemedy) {
   expect(RequestEdit{{3}, NetworkRequest{}, 0}, "starts from a scan", "name a scan");
   expect(ReplaceEdit{{1}, ViewState{}}, "is a scan, the new content a view", "another object");
   expect(ViewEdit{{1}, {}, 0}, "is no view", "name a view");
+  expect(ScanCurveEdit{{2}, 0, nullptr, 0}, "is no scan", "name a scan");
+  expect(ScanCurveEdit{{1}, 0, nullptr, 0}, "no curve 0", "an index below 0");
+  expect(ScanCurveEdit{{1}, -1, nullptr, 0}, "no curve -1", "an index below 0");
   expect(ModelEdit{{1}, DeleteEdit{0}, 0}, "is no model", "add one");
   NetworkRequest bad;
   bad.options.sigma = 7;
@@ -317,6 +320,39 @@ TEST(Document, ModelsAreEachTheirOwn) {
   document.apply(UndoEdit{});
   EXPECT_EQ(document.model(second).counts().curves, 0);
   EXPECT_EQ(model_of(document).counts().curves, 1);
+}
+
+TEST(Document, CurvesOfScansAreReplacedOneByOne) {
+  ScanCurve curve;
+  curve.distances = Eigen::Vector2d(0, 1);
+  curve.tangents = curve.normals = Points::Ones(2, 3);
+  Scan scan;
+  scan.curves = {curve, curve};
+  Document document;
+  const ObjectId id = document.apply(AddEdit{{}, "scan", "m", std::make_shared<const Scan>(scan)}).object;
+  const ObjectId made = document.apply(DeriveEdit{{}, "network", id, NetworkRequest{}}).object;
+  const std::uint64_t version = document.version(id);
+  curve.name = "rim";
+  const EditOutcome outcome =
+      document.apply(ScanCurveEdit{id, 1, std::make_shared<const ScanCurve>(curve), 0});
+  EXPECT_EQ(outcome.changed, (std::vector<ObjectId>{id}));
+  EXPECT_EQ(outcome.outdated, (std::vector<ObjectId>{made}));
+  EXPECT_NE(document.version(id), version);
+  const auto names = [&] {
+    const auto& curves = std::get<SharedScan>(*document.object(id).content())->curves;
+    return std::pair(curves[0].name, curves[1].name);
+  };
+  EXPECT_EQ(names(), std::pair(std::string(), std::string("rim")));
+  document.apply(UndoEdit{});
+  EXPECT_EQ(names(), std::pair(std::string(), std::string()));
+  EXPECT_EQ(document.version(id), version);
+
+  EXPECT_THROW(document.apply(ScanCurveEdit{id, 2, std::make_shared<const ScanCurve>(curve), 0}),
+               RefusedEdit);
+  EXPECT_THROW(document.apply(ScanCurveEdit{id, 0, nullptr, 0}), RefusedEdit);
+  curve.normals.resize(1, 3);
+  EXPECT_THROW(document.apply(ScanCurveEdit{id, 0, std::make_shared<const ScanCurve>(curve), 0}),
+               RefusedEdit);
 }
 
 }  // namespace

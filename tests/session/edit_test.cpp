@@ -12,6 +12,7 @@ TEST(Edit, EveryOneHasAName) {
                                                         {RenameEdit{}, "rename"},
                                                         {UnitEdit{}, "unit"},
                                                         {ReplaceEdit{}, "replace"},
+                                                        {ScanCurveEdit{}, "curve"},
                                                         {RequestEdit{}, "request"},
                                                         {ViewEdit{}, "view"},
                                                         {UndoEdit{}, "undo"},
@@ -32,6 +33,8 @@ TEST(Edit, DragsAreOfOneNumberOneObjectAndOneThing) {
   EXPECT_FALSE(within_one_drag(fair, ViewEdit{{2}, {}, 4}));
   EXPECT_TRUE(within_one_drag(ViewEdit{{2}, {}, 4}, ViewEdit{{2}, {}, 4}));
   EXPECT_FALSE(within_one_drag(fair, UndoEdit{}));
+  EXPECT_TRUE(within_one_drag(ScanCurveEdit{{2}, 1, nullptr, 4}, ScanCurveEdit{{2}, 1, nullptr, 4}));
+  EXPECT_FALSE(within_one_drag(ScanCurveEdit{{2}, 1, nullptr, 4}, ScanCurveEdit{{2}, 0, nullptr, 4}));
 }
 
 }  // namespace

@@ -26,6 +26,7 @@ class RandomProject {
     if (kind < 0.3) return RenameEdit{any(document), name()};
     if (kind < 0.34) return UnitEdit{any(document), unit()};
     if (kind < 0.38) return ReplaceEdit{any(document), content()};
+    if (kind < 0.43) return curve(document);
     if (kind < 0.55) return request(document);
     if (kind < 0.65) return view(document);
     if (kind < 0.8) return tool(document);
@@ -36,73 +37,97 @@ class RandomProject {
   /// Any options of any request.
   Request random_request() {
     switch (random_.below(8)) {
-      case 0: {
-        NetworkRequest request;
-        request.options.weights = WeightChoice::Given;
-        request.options.lambda = number();
-        request.options.mu = number();
-        request.options.sigma = random_.uniform(0.1, 1);
-        request.options.robust = flag();
-        if (flag()) request.options.step = Length{random_.uniform(0.01, 0.1), Length::Kind::Metres};
-        if (flag()) request.options.step.reset();
-        request.options.energy = flag() ? RegressionEnergy::Scaled : RegressionEnergy::Thesis;
-        return request;
-      }
-      case 1: {
-        SurfaceRequest request;
-        request.strokes.reach = random_.uniform(0.01, 0.05);
-        request.surface.surface.map = flag() ? PatchMap::Circle : PatchMap::Polygon;
-        request.surface.surface.soft_constraints = flag();
-        request.surface.surface.soft_weight = number();
-        if (flag()) request.surface.edge_length = Length{number(), Length::Kind::Plain};
-        return request;
-      }
-      case 2: {
-        ModelSurfaceRequest request;
-        request.options.method = flag() ? ModelSurfaceMethod::Coons : ModelSurfaceMethod::Filled;
-        request.options.levels = static_cast<int>(random_.below(6));
-        request.options.diffusion.time_step = number();
-        request.options.coons.scheme = flag() ? FinalScheme::Nuliss : FinalScheme::CatmullClark;
-        return request;
-      }
-      case 3: {
-        FairRequest request;
-        request.options.method = flag() ? FairingMethod::Taubin : FairingMethod::Automatic;
-        request.options.noise = flag() ? number() : -1;
-        request.options.iterations = static_cast<int>(random_.below(50));
-        request.options.keep_boundary = flag();
-        return request;
-      }
-      case 4: {
-        RemeshRequest request;
-        request.options.remesh.method = flag() ? RemeshMethod::Adaptive : RemeshMethod::LaplacianFlow;
-        request.options.remesh.adaptivity = random_.uniform();
-        if (flag()) request.options.edge_length = Length{number(), Length::Kind::Relative};
-        if (flag()) request.sizes = "quality";
-        return request;
-      }
-      case 5: {
-        SimplifyRequest request;
-        if (flag())
-          request.options.simplify.remove = random_.uniform(0.1, 0.9);
-        else
-          request.options.max_error = Length{number(), Length::Kind::Relative};
-        request.options.simplify.flow.weight = flag() ? FlowWeight::Uniform : FlowWeight::Curvature;
-        if (flag()) request.options.simplify.flow.fidelity = number();
-        return request;
-      }
-      case 6: {
-        SubdivideRequest request;
-        SubdivisionOptions& subdivision = request.options.subdivision;
-        subdivision.scheme = flag() ? SubdivisionScheme::Linear : SubdivisionScheme::Nuliss;
-        subdivision.levels = static_cast<int>(random_.below(4));
-        subdivision.limit = flag();
-        if (flag()) request.options.first_schemes = {SubdivisionScheme::Nuliss, SubdivisionScheme::Linear};
-        return request;
-      }
+      case 0:
+        return network_request();
+      case 1:
+        return surface_request();
+      case 2:
+        return model_surface_request();
+      case 3:
+        return fair_request();
+      case 4:
+        return remesh_request();
+      case 5:
+        return simplify_request();
+      case 6:
+        return subdivide_request();
       default:
-        break;
+        return deform_request();
     }
+  }
+
+  Request network_request() {
+    NetworkRequest request;
+    request.options.weights = WeightChoice::Given;
+    request.options.lambda = number();
+    request.options.mu = number();
+    request.options.sigma = random_.uniform(0.1, 1);
+    request.options.robust = flag();
+    if (flag()) request.options.step = Length{random_.uniform(0.01, 0.1), Length::Kind::Metres};
+    if (flag()) request.options.step.reset();
+    request.options.energy = flag() ? RegressionEnergy::Scaled : RegressionEnergy::Thesis;
+    return request;
+  }
+
+  Request surface_request() {
+    SurfaceRequest request;
+    request.strokes.reach = random_.uniform(0.01, 0.05);
+    request.surface.surface.map = flag() ? PatchMap::Circle : PatchMap::Polygon;
+    request.surface.surface.soft_constraints = flag();
+    request.surface.surface.soft_weight = number();
+    if (flag()) request.surface.edge_length = Length{number(), Length::Kind::Plain};
+    return request;
+  }
+
+  Request model_surface_request() {
+    ModelSurfaceRequest request;
+    request.options.method = flag() ? ModelSurfaceMethod::Coons : ModelSurfaceMethod::Filled;
+    request.options.levels = static_cast<int>(random_.below(6));
+    request.options.diffusion.time_step = number();
+    request.options.coons.scheme = flag() ? FinalScheme::Nuliss : FinalScheme::CatmullClark;
+    return request;
+  }
+
+  Request fair_request() {
+    FairRequest request;
+    request.options.method = flag() ? FairingMethod::Taubin : FairingMethod::Automatic;
+    request.options.noise = flag() ? number() : -1;
+    request.options.iterations = static_cast<int>(random_.below(50));
+    request.options.keep_boundary = flag();
+    return request;
+  }
+
+  Request remesh_request() {
+    RemeshRequest request;
+    request.options.remesh.method = flag() ? RemeshMethod::Adaptive : RemeshMethod::LaplacianFlow;
+    request.options.remesh.adaptivity = random_.uniform();
+    if (flag()) request.options.edge_length = Length{number(), Length::Kind::Relative};
+    if (flag()) request.sizes = "quality";
+    return request;
+  }
+
+  Request simplify_request() {
+    SimplifyRequest request;
+    if (flag())
+      request.options.simplify.remove = random_.uniform(0.1, 0.9);
+    else
+      request.options.max_error = Length{number(), Length::Kind::Relative};
+    request.options.simplify.flow.weight = flag() ? FlowWeight::Uniform : FlowWeight::Curvature;
+    if (flag()) request.options.simplify.flow.fidelity = number();
+    return request;
+  }
+
+  Request subdivide_request() {
+    SubdivideRequest request;
+    SubdivisionOptions& subdivision = request.options.subdivision;
+    subdivision.scheme = flag() ? SubdivisionScheme::Linear : SubdivisionScheme::Nuliss;
+    subdivision.levels = static_cast<int>(random_.below(4));
+    subdivision.limit = flag();
+    if (flag()) request.options.first_schemes = {SubdivisionScheme::Nuliss, SubdivisionScheme::Linear};
+    return request;
+  }
+
+  Request deform_request() {
     DeformRequest request;
     DeformedMeshOptions& options = request.options;
     options.deform.energy = flag() ? DeformationEnergy::Bend : DeformationEnergy::Stretch;
@@ -246,6 +271,13 @@ class RandomProject {
       deform->moved[0].translation = random_.normal3();
     if (random_.uniform() < 0.4) request = random_request();
     return RequestEdit{id, request, static_cast<int>(random_.below(3))};
+  }
+  Edit curve(const Document& document) {
+    const std::vector<ObjectId> scans = of_kind(document, ObjectKind::Scan);
+    if (scans.empty()) return AddEdit{{}, name(), unit(), std::make_shared<const Scan>(scan())};
+    return ScanCurveEdit{scans[random_.below(scans.size())], static_cast<int>(random_.below(2)),
+                         std::make_shared<const ScanCurve>(scan().curves[1]),
+                         static_cast<int>(random_.below(3))};
   }
   Edit view(const Document& document) {
     const std::vector<ObjectId> views = of_kind(document, ObjectKind::View);

@@ -148,8 +148,8 @@ TEST(RandomProject, FiveHundredEditsOfAllKindsAreUndoneAndRedoneBitForBit) {
     EXPECT_EQ(format_project(read.document), bytes);
   }
   // The test is worth something only where every kind of edit is done now and then.
-  for (const char* op : {"add", "derive", "remove", "rename", "unit", "replace", "request", "view", "insert",
-                         "delete", "sharpness", "undo", "redo", "merged"})
+  for (const char* op : {"add", "derive", "remove", "rename", "unit", "replace", "curve", "request", "view",
+                         "insert", "delete", "sharpness", "undo", "redo", "merged"})
     EXPECT_GT(n_done[op], 0) << op;
 }
 
@@ -209,6 +209,68 @@ TEST(RandomProject, MemoryOfEditsOnALargeMeshIsBounded) {
   document.apply(RedoEdit{});
   EXPECT_EQ(std::get<SharedMesh>(*document.object(given).content()), held);
 #endif
+}
+
+// A scan of one curve of 200,000 readings and one of 20: edits of the small one keep 20 readings each,
+// however large the other is. The bound is a hundredth of a copy of the scan for each edit.
+TEST(RandomProject, MemoryOfEditsOfACurveIsThatOfTheCurve) {
+#if defined(__SANITIZE_ADDRESS__) || !defined(__GLIBC__)
+  GTEST_SKIP() << "sanitizers keep their own account of memory";
+#else
+  const auto curve_of = [](Eigen::Index n, double value) {
+    ScanCurve curve;
+    curve.distances = Eigen::VectorXd::LinSpaced(n, 0, 1);
+    curve.tangents = curve.normals = Points::Constant(n, 3, value);
+    return curve;
+  };
+  Scan scan;
+  scan.curves = {curve_of(200000, 0), curve_of(20, 0)};
+  constexpr std::size_t kSize = 200000 * 7 * sizeof(double);
+  Document document;
+  const ObjectId id = document.apply(AddEdit{{}, "scan", "m", std::make_shared<const Scan>(scan)}).object;
+  const auto held = [&]() -> const Scan& { return *std::get<SharedScan>(*document.object(id).content()); };
+  const auto set_curve = [&](double value) {
+    document.apply(ScanCurveEdit{id, 1, std::make_shared<const ScanCurve>(curve_of(20, value)), 0});
+  };
+  set_curve(1);  // the scan that was given is not changed but copied, once
+  const double* large = held().curves[0].distances.data();
+  const std::size_t before = mallinfo2().uordblks;
+  constexpr int kEditsOfACurve = 100;
+  for (int k = 2; k <= kEditsOfACurve; ++k) set_curve(k);
+  EXPECT_LT(mallinfo2().uordblks - before, kEditsOfACurve * kSize / 100);
+  for (int k = 0; k < 50; ++k) document.apply(UndoEdit{});
+  EXPECT_EQ(held().curves[1].normals(0, 0), 50);
+  for (int k = 0; k < 25; ++k) document.apply(RedoEdit{});
+  EXPECT_EQ(held().curves[1].normals(0, 0), 75);
+  EXPECT_EQ(held().curves[0].distances.data(), large) << "the whole scan was copied";
+  RecordProperty("bytes_per_edit", static_cast<int>((mallinfo2().uordblks - before) / kEditsOfACurve));
+#endif
+}
+
+// What someone else holds stays as it is, and is copied once.
+TEST(RandomProject, ScansThatAreHeldDoNotChangeUnderTheirHolders) {
+  ScanCurve curve;
+  curve.distances = Eigen::VectorXd::Zero(2);
+  curve.tangents = curve.normals = Points::Zero(2, 3);
+  Scan scan;
+  scan.curves = {curve, curve};
+  Document document;
+  const ObjectId id = document.apply(AddEdit{{}, "scan", "m", std::make_shared<const Scan>(scan)}).object;
+  const auto content = [&] { return std::get<SharedScan>(*document.object(id).content()); };
+  std::vector<SharedScan> held{content()};
+  for (int k = 1; k <= 3; ++k) {
+    curve.distances.setConstant(k);
+    document.apply(ScanCurveEdit{id, 1, std::make_shared<const ScanCurve>(curve), 0});
+    held.push_back(content());
+  }
+  const std::shared_ptr<const Object> object = document.shared(id);
+  const Document copy = document;
+  document.apply(UndoEdit{});
+  document.apply(UndoEdit{});
+  EXPECT_EQ(content()->curves[1].distances[0], 1);
+  EXPECT_EQ(std::get<SharedScan>(*object->content())->curves[1].distances[0], 3);
+  EXPECT_EQ(std::get<SharedScan>(*copy.object(id).content())->curves[1].distances[0], 3);
+  for (int k = 0; k <= 3; ++k) EXPECT_EQ(held[static_cast<std::size_t>(k)]->curves[1].distances[0], k);
 }
 
 }  // namespace

@@ -28,18 +28,7 @@ const Json::List& list_of(const Fields& fields, const std::string& name) {
 
 Json json_of_scan(const Scan& scan) {
   Json::List curves;
-  for (const ScanCurve& curve : scan.curves) {
-    Json json;
-    json.add("name", curve.name);
-    json.add("boundary", curve.boundary);
-    json.add("closed", curve.closed);
-    json.add("node_readings", flat_list(curve.node_readings));
-    json.add("node_ids", flat_list(curve.node_ids));
-    json.add("distances", flat_list(curve.distances));
-    json.add("tangents", flat_list(curve.tangents));
-    json.add("normals", flat_list(curve.normals));
-    curves.push_back(std::move(json));
-  }
+  for (const ScanCurve& curve : scan.curves) curves.push_back(json_of(curve));
   Json json;
   json.add("tangents", tangent_words(scan.tangents).word(scan.tangents));
   json.add("curves", std::move(curves));
@@ -53,20 +42,8 @@ Scan scan_of(const Json& json) {
   const auto convention = tangent_words(TangentConvention::Auto).find(word);
   if (!convention) fields.fail("tangents", "\"auto\", \"at-sample\" or \"to-next\"");
   scan.tangents = *convention;
-  for (const Json& stored : list_of(fields, "curves")) {
-    const Fields curve(
-        stored, concat("curve ", scan.curves.size() + 1, " of the scan"),
-        {"name", "boundary", "closed", "node_readings", "node_ids", "distances", "tangents", "normals"});
-    ScanCurve& made = scan.curves.emplace_back();
-    made.name = curve.text_of(curve.require("name"), "name");
-    made.boundary = curve.flag("boundary");
-    made.closed = curve.flag("closed");
-    made.node_readings = curve.integers(curve.require("node_readings"), "node_readings");
-    made.node_ids = curve.integers(curve.require("node_ids"), "node_ids");
-    made.distances = vector_of(curve.numbers(curve.require("distances"), "distances"));
-    made.tangents = curve.rows(curve.require("tangents"), "tangents");
-    made.normals = curve.rows(curve.require("normals"), "normals");
-  }
+  for (const Json& stored : list_of(fields, "curves"))
+    scan.curves.push_back(scan_curve_of(stored, concat("curve ", scan.curves.size() + 1, " of the scan")));
   return scan;
 }
 
@@ -216,6 +193,35 @@ Json json_of_held(const ViewState& view) {
 }
 
 }  // namespace
+
+Json json_of(const ScanCurve& curve) {
+  Json json;
+  json.add("name", curve.name);
+  json.add("boundary", curve.boundary);
+  json.add("closed", curve.closed);
+  json.add("node_readings", flat_list(curve.node_readings));
+  json.add("node_ids", flat_list(curve.node_ids));
+  json.add("distances", flat_list(curve.distances));
+  json.add("tangents", flat_list(curve.tangents));
+  json.add("normals", flat_list(curve.normals));
+  return json;
+}
+
+ScanCurve scan_curve_of(const Json& json, const std::string& what) {
+  const Fields fields(
+      json, what,
+      {"name", "boundary", "closed", "node_readings", "node_ids", "distances", "tangents", "normals"});
+  ScanCurve curve;
+  curve.name = fields.text_of(fields.require("name"), "name");
+  curve.boundary = fields.flag("boundary");
+  curve.closed = fields.flag("closed");
+  curve.node_readings = fields.integers(fields.require("node_readings"), "node_readings");
+  curve.node_ids = fields.integers(fields.require("node_ids"), "node_ids");
+  curve.distances = vector_of(fields.numbers(fields.require("distances"), "distances"));
+  curve.tangents = fields.rows(fields.require("tangents"), "tangents");
+  curve.normals = fields.rows(fields.require("normals"), "normals");
+  return curve;
+}
 
 Json json_of(const Content& content) {
   return std::visit([](const auto& held) { return json_of_held(held); }, content);

@@ -1,6 +1,7 @@
 #include "batten/session/document.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <set>
 
 #include "batten/core/error.hpp"
@@ -18,6 +19,7 @@ EditOutcome Document::apply(const Edit& edit, const Confirm& confirm) {
     n_done_ = 0;
     for (auto model = models_.begin(); model != models_.end();)
       model = find(model->first) ? std::next(model) : models_.erase(model);
+    edited_scans_.clear();
     log_.push_back(edit);
     return {};
   }
@@ -92,6 +94,13 @@ EditOutcome Document::do_edit(Edit edit, const Confirm& confirm, LogPlace place,
          before,
          {std::move(planned.object), planned.new_version ? ++last_version_ : before.version}});
   }
+  if (const auto* drawn = std::get_if<ScanCurveEdit>(&edit)) {
+    const auto index = static_cast<std::size_t>(drawn->curve);
+    const ScanCurve& now = std::get<SharedScan>(*object(drawn->object).content())->curves[index];
+    step.curve = {index, std::make_shared<const ScanCurve>(now), drawn->content};
+    for (SlotChange& change : step.slots)
+      if (change.id == step.object) change.before.object = change.after.object = nullptr;
+  }
   EditReport report;
   std::vector<int> vertices;
   if (const auto* sketch = std::get_if<ModelEdit>(&edit)) {
@@ -128,12 +137,32 @@ EditOutcome Document::do_edit(Edit edit, const Confirm& confirm, LogPlace place,
 void Document::set_slots(const Step& step, bool forwards) {
   for (const SlotChange& change : step.slots) {
     const Slot& slot = forwards ? change.after : change.before;
-    if (slot.object)
+    if (step.curve && change.id == step.object)
+      slots_.at(change.id).version = slot.version;
+    else if (slot.object)
       slots_[change.id] = slot;
     else
       slots_.erase(change.id);
   }
   next_ = forwards ? step.next_after : step.next_before;
+  if (step.curve)
+    put_curve(step.object, step.curve->index, forwards ? *step.curve->after : *step.curve->before);
+}
+
+void Document::put_curve(ObjectId id, std::size_t index, const ScanCurve& curve) {
+  Slot& slot = slots_.at(id);
+  const SharedScan& held = std::get<SharedScan>(*slot.object->content());
+  std::shared_ptr<Scan>& own = edited_scans_[id];
+  // The scan is ours alone where the object is in its slot only, and the scan in that object and here.
+  if (held != own || slot.object.use_count() > 1 || own.use_count() > 2) {
+    own = std::make_shared<Scan>(*held);
+    Object object{slot.object->name, slot.object->unit, Content(SharedScan(own))};
+    slot.object = std::make_shared<const Object>(std::move(object));
+  } else {
+    // Who held it before has read it before.
+    std::atomic_thread_fence(std::memory_order_acquire);
+  }
+  own->curves[index] = curve;
 }
 
 void Document::put(const Step& step, bool forwards) {

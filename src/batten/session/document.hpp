@@ -35,8 +35,8 @@ struct EditOutcome {
 /// A document knows what is asked of its objects, not how it is made: results of derived objects are made and
 /// kept by the caller, who is told which are out of date.
 ///
-/// Undo costs what the edit has changed. Contents are shared and models remember what an edit has touched, so
-/// that an edit that brings no data keeps none.
+/// Undo costs what the edit has changed. Contents are shared, models remember what an edit has touched and
+/// scans which curve, so that an edit that brings no data keeps none.
 class Document {
  public:
   /// Called when an edit has succeeded and before it is kept; it writes the journal. What it throws undoes
@@ -96,12 +96,20 @@ class Document {
     ObjectId id;
     Slot before, after;
   };
+  /// A curve of a scan, forth and back.
+  struct CurveChange {
+    std::size_t index = 0;
+    std::shared_ptr<const ScanCurve> before, after;
+  };
   /// One edit, forth and back.
   struct Step {
     ObjectId object;
+    /// Of a step with a `curve`, the slot of `object` holds versions only: its object would be the whole
+    /// scan.
     std::vector<SlotChange> slots;
     int next_before = 0, next_after = 0;
     std::optional<PolylineMesh::Change> model;  ///< of `object`
+    std::optional<CurveChange> curve;           ///< of `object`
     /// For drags: the options of a request that the edits of the drag have changed.
     std::vector<std::string> options;
   };
@@ -114,9 +122,12 @@ class Document {
   void set_slots(const Step& step, bool forwards);
   void put(const Step& step, bool forwards);  ///< the same, and the model
   EditOutcome outcome_of(const Step& step) const;
+  void put_curve(ObjectId id, std::size_t index, const ScanCurve& curve);
 
   std::map<ObjectId, Slot> slots_;
   std::map<ObjectId, PolylineMesh> models_;  ///< also of models that undo has taken away
+  /// Scans that were copied for an edit of a curve: while nobody else holds one, further edits change it.
+  std::map<ObjectId, std::shared_ptr<Scan>> edited_scans_;
   int next_ = 1;
   std::uint64_t last_version_ = 0;
   std::vector<Step> history_;

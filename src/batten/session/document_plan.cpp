@@ -159,6 +159,20 @@ Plan DocumentPlanner::plan_of(const ReplaceEdit& edit) const {
   return changed(edit.object, std::move(object));
 }
 
+Plan DocumentPlanner::plan_of(const ScanCurveEdit& edit) const {
+  const Object& object = require(edit.object);
+  if (object.kind() != ObjectKind::Scan)
+    throw RefusedEdit(concat(label(edit.object, object), " is no scan"), "name a scan");
+  const std::vector<ScanCurve>& curves = std::get<SharedScan>(*object.content())->curves;
+  if (edit.curve < 0 || static_cast<std::size_t>(edit.curve) >= curves.size())
+    throw RefusedEdit(concat("there is no curve ", edit.curve, " in ", label(edit.object, object)),
+                      concat("give an index below ", curves.size()));
+  if (!edit.content) throw RefusedEdit("there is no curve", "give one");
+  if (const auto found = problem(*edit.content, static_cast<std::size_t>(edit.curve)))
+    throw RefusedEdit(*found, "give a curve that holds together");
+  return changed(edit.object, document_.shared(edit.object));
+}
+
 Plan DocumentPlanner::plan_of(RequestEdit& edit) const {
   Object object = require(edit.object);
   const Derived* before = object.derived();

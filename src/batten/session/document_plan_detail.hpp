@@ -38,6 +38,7 @@ class DocumentPlanner {
   Plan plan_of(const RenameEdit& edit) const;
   Plan plan_of(const UnitEdit& edit) const;
   Plan plan_of(const ReplaceEdit& edit) const;
+  Plan plan_of(const ScanCurveEdit& edit) const;
   Plan plan_of(RequestEdit& edit) const;
   Plan plan_of(const ViewEdit& edit) const;
   Plan plan_of(const ModelEdit& edit) const;

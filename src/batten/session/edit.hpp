@@ -1,4 +1,5 @@
 #pragma once
+#include <memory>
 #include <string>
 #include <variant>
 
@@ -44,6 +45,13 @@ struct ReplaceEdit {
   ObjectId object;
   Content content;
 };
+/// Another curve in the place of one of a scan; the others are neither copied nor kept twice.
+struct ScanCurveEdit {
+  ObjectId object;
+  int curve = 0;  ///< its index
+  std::shared_ptr<const ScanCurve> content;
+  int drag = 0;
+};
 /// Other options of a derived object. Another request of the same kinds of source and result is allowed.
 struct RequestEdit {
   ObjectId object;
@@ -66,8 +74,8 @@ struct RedoEdit {};
 /// What was done before cannot be undone any more. Frees its memory.
 struct CheckpointEdit {};
 
-using Edit = std::variant<AddEdit, DeriveEdit, RemoveEdit, RenameEdit, UnitEdit, ReplaceEdit, RequestEdit,
-                          ViewEdit, ModelEdit, UndoEdit, RedoEdit, CheckpointEdit>;
+using Edit = std::variant<AddEdit, DeriveEdit, RemoveEdit, RenameEdit, UnitEdit, ReplaceEdit, ScanCurveEdit,
+                          RequestEdit, ViewEdit, ModelEdit, UndoEdit, RedoEdit, CheckpointEdit>;
 
 /// The name of an edit in journals: "add", "rename", and "insert", "delete", … for tools of models.
 std::string name_of_op(const Edit& edit);

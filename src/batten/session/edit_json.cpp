@@ -47,6 +47,10 @@ void put(Json& line, const ReplaceEdit& edit) {
   line.add("kind", word_of(kind_of(edit.content)));
   line.add("content", json_of(edit.content));
 }
+void put(Json& line, const ScanCurveEdit& edit) {
+  line.add("curve", static_cast<double>(edit.curve));
+  line.add("content", json_of(*edit.content));
+}
 void put(Json& line, const RequestEdit& edit) {
   line.add("request", json_of(edit.request));
 }
@@ -85,6 +89,12 @@ Edit read_replace(const Json& line) {
   const auto kind = fields.choice<ObjectKind>(fields.require("kind"), "kind");
   return ReplaceEdit{id_in(fields, "object"), content_of(kind, fields.require("content"))};
 }
+Edit read_curve(const Json& line) {
+  const Fields fields(line, "op curve", {"op", "object", "curve", "content"});
+  return ScanCurveEdit{
+      id_in(fields, "object"), fields.integer_of(fields.require("curve"), "curve"),
+      std::make_shared<const ScanCurve>(scan_curve_of(fields.require("content"), "the curve")), 0};
+}
 Edit read_request(const Json& line) {
   const Fields fields(line, "op request", {"op", "object", "request"});
   return RequestEdit{id_in(fields, "object"), request_of(fields.require("request")), 0};
@@ -104,12 +114,13 @@ struct Op {
   const char* name;
   Edit (*read)(const Json&);
 };
-constexpr std::array<Op, 11> kOps{{{"add", read_add},
+constexpr std::array<Op, 12> kOps{{{"add", read_add},
                                    {"derive", read_derive},
                                    {"remove", read_remove},
                                    {"rename", read_rename},
                                    {"unit", read_unit},
                                    {"replace", read_replace},
+                                   {"curve", read_curve},
                                    {"request", read_request},
                                    {"view", read_view},
                                    {"undo", read_plain<UndoEdit>},

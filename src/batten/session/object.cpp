@@ -12,14 +12,8 @@ namespace {
 
 std::optional<std::string> problem_of(const SharedScan& scan) {
   if (!scan) return "there is no scan";
-  for (std::size_t c = 0; c < scan->curves.size(); ++c) {
-    const ScanCurve& curve = scan->curves[c];
-    if (!detail::is_utf8(curve.name)) return concat("the name of curve ", c + 1, " is not UTF-8");
-    if (curve.tangents.rows() != curve.n_readings() || curve.normals.rows() != curve.n_readings())
-      return concat("curve ", c + 1, " has other numbers of directions than of distances");
-    if (curve.node_ids.size() != curve.node_readings.size())
-      return concat("curve ", c + 1, " has other numbers of nodes than of their readings");
-  }
+  for (std::size_t c = 0; c < scan->curves.size(); ++c)
+    if (auto found = problem(scan->curves[c], c)) return found;
   return std::nullopt;
 }
 
@@ -80,6 +74,15 @@ const void* shared_of(const Content& content) {
 }
 
 }  // namespace
+
+std::optional<std::string> problem(const ScanCurve& curve, std::size_t index) {
+  if (!detail::is_utf8(curve.name)) return concat("the name of curve ", index + 1, " is not UTF-8");
+  if (curve.tangents.rows() != curve.n_readings() || curve.normals.rows() != curve.n_readings())
+    return concat("curve ", index + 1, " has other numbers of directions than of distances");
+  if (curve.node_ids.size() != curve.node_readings.size())
+    return concat("curve ", index + 1, " has other numbers of nodes than of their readings");
+  return std::nullopt;
+}
 
 ObjectKind kind_of(const Content& content) {
   return static_cast<ObjectKind>(content.index());

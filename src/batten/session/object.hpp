@@ -101,6 +101,9 @@ struct Object {
 /// arrays that do not fit each other, numbers of a view out of range.
 std::optional<std::string> problem(const Content& content);
 
+/// The same of one curve of a scan; `index` names it.
+std::optional<std::string> problem(const ScanCurve& curve, std::size_t index);
+
 /// Equal in everything, numbers bit for bit.
 bool same_content(const Content& a, const Content& b);
 bool operator==(const Object& a, const Object& b);
