@@ -20,8 +20,8 @@ constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 /// The options with one field at every value in turn: all are refused, in the same words, by `call`.
 template <typename Options, typename Field, typename Value, typename Call>
-void expect_refused(Field Options::*field, const std::string& name, std::initializer_list<Value> values,
-                    const Call& call) {
+void expect_option_refused(Field Options::*field, const std::string& name,
+                           std::initializer_list<Value> values, const Call& call) {
   for (const Value value : values) {
     Options options;
     options.*field = value;
@@ -39,7 +39,7 @@ void expect_refused(Field Options::*field, const std::string& name, std::initial
 
 /// The options with one field at every value in turn: none is refused.
 template <typename Options, typename Field, typename Value>
-void expect_accepted(Field Options::*field, std::initializer_list<Value> values) {
+void expect_option_accepted(Field Options::*field, std::initializer_list<Value> values) {
   for (const Value value : values) {
     Options options;
     options.*field = value;
@@ -52,13 +52,13 @@ TEST(ScanRoomOptions, OfCleaningAndPrefilter) {
     std::vector<std::string> warnings;
     clean_readings(Scan(), options, warnings);
   };
-  expect_refused(&CleanOptions::outlier_cosine, "outlier_cosine", {-0.1, 1.1, kNan}, clean);
-  expect_accepted(&CleanOptions::outlier_cosine, {0.0, 1.0});
+  expect_option_refused(&CleanOptions::outlier_cosine, "outlier_cosine", {-0.1, 1.1, kNan}, clean);
+  expect_option_accepted(&CleanOptions::outlier_cosine, {0.0, 1.0});
   const auto sample = [](const PrefilterOptions& options) { resample(Scan(), {}, options); };
-  expect_refused(&PrefilterOptions::step, "step", {-1e-9, kInfinite, kNan}, sample);
-  expect_accepted(&PrefilterOptions::step, {0.0, 3.0});
-  expect_refused(&PrefilterOptions::sigma, "sigma", {0.0, 2.1, kNan}, sample);
-  expect_accepted(&PrefilterOptions::sigma, {1e-3, 2.0});
+  expect_option_refused(&PrefilterOptions::step, "step", {-1e-9, kInfinite, kNan}, sample);
+  expect_option_accepted(&PrefilterOptions::step, {0.0, 3.0});
+  expect_option_refused(&PrefilterOptions::sigma, "sigma", {0.0, 2.1, kNan}, sample);
+  expect_option_accepted(&PrefilterOptions::sigma, {1e-3, 2.0});
 }
 
 TEST(ScanRoomOptions, OfTheRegression) {
@@ -66,24 +66,24 @@ TEST(ScanRoomOptions, OfTheRegression) {
   const auto energy = [](const RegressionOptions& options) {
     regression_energy(SampledScan(), SampledScan(), options);
   };
-  expect_refused(&RegressionOptions::lambda, "lambda", {-1.0, kInfinite, kNan}, regress);
-  expect_refused(&RegressionOptions::lambda, "lambda", {-1.0}, energy);
-  expect_refused(&RegressionOptions::mu, "mu", {-1.0, kNan}, regress);
-  expect_refused(&RegressionOptions::xi, "xi", {-1.0, kNan}, regress);
-  expect_refused(&RegressionOptions::unit, "unit", {0.0, -1.0, kInfinite, kNan}, regress);
-  expect_refused(&RegressionOptions::max_iterations, "max_iterations", {-1}, regress);
-  expect_refused(&RegressionOptions::tolerance, "tolerance", {-1e-3, kNan}, regress);
-  expect_accepted(&RegressionOptions::lambda, {0.0, 1e6});
-  expect_accepted(&RegressionOptions::tolerance, {0.0});
+  expect_option_refused(&RegressionOptions::lambda, "lambda", {-1.0, kInfinite, kNan}, regress);
+  expect_option_refused(&RegressionOptions::lambda, "lambda", {-1.0}, energy);
+  expect_option_refused(&RegressionOptions::mu, "mu", {-1.0, kNan}, regress);
+  expect_option_refused(&RegressionOptions::xi, "xi", {-1.0, kNan}, regress);
+  expect_option_refused(&RegressionOptions::unit, "unit", {0.0, -1.0, kInfinite, kNan}, regress);
+  expect_option_refused(&RegressionOptions::max_iterations, "max_iterations", {-1}, regress);
+  expect_option_refused(&RegressionOptions::tolerance, "tolerance", {-1e-3, kNan}, regress);
+  expect_option_accepted(&RegressionOptions::lambda, {0.0, 1e6});
+  expect_option_accepted(&RegressionOptions::tolerance, {0.0});
 }
 
 TEST(ScanRoomOptions, OfTheJointEstimate) {
   const auto estimate = [](const JointOptions& options) { estimate_jointly(SampledScan(), options); };
-  expect_refused(&JointOptions::size, "size", {0.0, -1.0, kInfinite, kNan}, estimate);
-  expect_refused(&JointOptions::reading_noise, "reading_noise", {-1.0, kNan}, estimate);
-  expect_refused(&JointOptions::scale_deviation, "scale_deviation", {-1.0, kNan}, estimate);
-  expect_refused(&JointOptions::xi, "xi", {-1.0, kInfinite}, estimate);
-  expect_accepted(&JointOptions::reading_noise, {0.0});
+  expect_option_refused(&JointOptions::size, "size", {0.0, -1.0, kInfinite, kNan}, estimate);
+  expect_option_refused(&JointOptions::reading_noise, "reading_noise", {-1.0, kNan}, estimate);
+  expect_option_refused(&JointOptions::scale_deviation, "scale_deviation", {-1.0, kNan}, estimate);
+  expect_option_refused(&JointOptions::xi, "xi", {-1.0, kInfinite}, estimate);
+  expect_option_accepted(&JointOptions::reading_noise, {0.0});
 }
 
 // The estimate takes logarithms of all figures of a noise model that it is given.
@@ -109,14 +109,15 @@ TEST(ScanRoomOptions, OfCalibrationAndOrientation) {
     EllipsoidFitReport report;
     fit_ellipsoid(Points::Zero(0, 3), report, options);
   };
-  expect_refused(&EllipsoidFitOptions::smallest_coverage, "smallest_coverage", {-0.1, 1.1, kNan}, fit);
-  expect_refused(&EllipsoidFitOptions::largest_uncertainty, "largest_uncertainty", {0.0, kNan}, fit);
-  expect_refused(&EllipsoidFitOptions::max_iterations, "max_iterations", {0}, fit);
+  expect_option_refused(&EllipsoidFitOptions::smallest_coverage, "smallest_coverage", {-0.1, 1.1, kNan}, fit);
+  expect_option_refused(&EllipsoidFitOptions::largest_uncertainty, "largest_uncertainty", {0.0, kNan}, fit);
+  expect_option_refused(&EllipsoidFitOptions::max_iterations, "max_iterations", {0}, fit);
   const auto orient = [](const LogScanOptions& options) { scan_from_log(SensorLog(), options); };
-  expect_refused(&LogScanOptions::inclination, "inclination", {1.6, -1.6, kNan}, orient);
-  expect_accepted(&LogScanOptions::inclination, {1.5, -1.5});
-  expect_refused(&LogScanOptions::accelerometer_weight, "accelerometer_weight", {0.0, kInfinite}, orient);
-  expect_refused(&LogScanOptions::magnetometer_weight, "magnetometer_weight", {0.0, kNan}, orient);
+  expect_option_refused(&LogScanOptions::inclination, "inclination", {1.6, -1.6, kNan}, orient);
+  expect_option_accepted(&LogScanOptions::inclination, {1.5, -1.5});
+  expect_option_refused(&LogScanOptions::accelerometer_weight, "accelerometer_weight", {0.0, kInfinite},
+                        orient);
+  expect_option_refused(&LogScanOptions::magnetometer_weight, "magnetometer_weight", {0.0, kNan}, orient);
   LogScanOptions options;
   options.calibration.magnetometer.matrix.row(2).setZero();
   ASSERT_TRUE(options.problem().has_value());
