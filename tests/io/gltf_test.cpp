@@ -1,5 +1,6 @@
 #include "scratch.hpp"
 
+#include <cmath>
 #include <cstring>
 #include <fstream>
 #include <string>
@@ -181,6 +182,16 @@ TEST(Gltf, ReadsBuffersBesideTheFile) {
       .write(reinterpret_cast<const char*>(corners.data()), 36);
   std::ofstream(test::scratch_file("a.gltf")) << file.dump();
   EXPECT_EQ(read_mesh(test::scratch_file("a.gltf")).n_triangles(), 1);
+}
+
+TEST(MeshWriteOptions, NameAUnitWithoutLength) {
+  for (const double unit : {0.0, -1.0, std::nan("")}) {
+    MeshWriteOptions options;
+    options.metres_per_unit = unit;
+    EXPECT_NE(options.problem().value_or("").find("metres_per_unit must"), std::string::npos) << unit;
+    EXPECT_THROW(format_mesh(tetrahedron(), MeshFormat::Gltf, options), InvalidInput);
+  }
+  EXPECT_EQ(MeshWriteOptions().problem(), std::nullopt);
 }
 
 TEST(ThreeMf, HoldsMillimetresExactly) {

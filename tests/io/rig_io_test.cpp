@@ -143,6 +143,16 @@ TEST(Corners, TakeTheSizeOfTheImagesFromFileOrGuess) {
     EXPECT_THROW(parse_image_size(text), InvalidInput) << text;
 }
 
+TEST(Corners, OptionsNameBoardAndSize) {
+  CornersOptions options;
+  EXPECT_EQ(options.problem(), std::nullopt);
+  options.size = ImageSize{640, 0};
+  EXPECT_EQ(options.problem(), "size must be at least 1x1 pixels, got 640x0");
+  EXPECT_THROW(parse_corners("", "corners.csv", options), InvalidInput);
+  options.board.rows = 1;
+  EXPECT_EQ(options.problem(), options.board.problem());
+}
+
 TEST(Corners, AreRefusedWithTheLine) {
   const auto said = [](const std::string& text) {
     try {
