@@ -30,7 +30,7 @@ struct ScanCurve {
   /// last reading of the curve before, NaN on the first curve.
   Points turns;
   Eigen::VectorXd turn_times;  ///< n, or empty: seconds since that reading; NaN for the very first
-  bool sharp = false;              ///< the surface has an edge here; see NetworkCurve::sharp
+  bool sharp = false;          ///< the surface has an edge here; see NetworkCurve::sharp
 
   Eigen::Index n_readings() const { return distances.size(); }
 };
