@@ -89,6 +89,18 @@ TEST(TruthErrors, AreInPerCentOfTheTruthAfterARigidMotion) {
   EXPECT_NEAR(some.figures.max, 5 / none.diameter, 0.05);  // it is fitted at random points
   EXPECT_EQ(some.vertices.maxCoeff(), some.figures.max);
   EXPECT_LT(some.normal_angles.mean, radians(10.0));
+  EXPECT_NEAR(some.lengths.max, some.figures.max / 100 * some.diameter, 1e-15);
+  EXPECT_NEAR(some.lengths.rms, some.figures.rms / 100 * some.diameter, 1e-15);
+}
+
+TEST(TruthErrors, MovesByTheMotionsThatAreAllowed) {
+  const Shape truth = fixtures::sphere(6);
+  Shape made = truth;
+  made.positions.col(0).array() += 0.25;
+  EXPECT_NEAR(truth_errors(made, truth, RegistrationKind::None).lengths.max, 0.25, 0.02);
+  made.positions = (2 * made.positions).eval();
+  EXPECT_GT(truth_errors(made, truth).lengths.max, 0.9);  // a sphere of twice the radius
+  EXPECT_LT(truth_errors(made, truth, RegistrationKind::Similarity).lengths.max, 1e-5);
 }
 
 TEST(ComparedShapes, RefusesAndCancels) {

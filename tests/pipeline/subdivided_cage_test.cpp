@@ -86,6 +86,15 @@ TEST(SubdividedCage, BadOptionsAreNamedAndWorkIsCancelled) {
   EXPECT_NE(options.problem().value_or("").find("levels"), std::string::npos);
   options.subdivision.levels = 1;
   options.patches.emplace();
+  options.patches->tolerance = -1;
+  EXPECT_EQ(options.problem(), options.patches->problem());
+  EXPECT_NE(options.problem().value_or("").find("tolerance must"), std::string::npos);
+  options.patches->tolerance = 1e-5;
+  options.patches->step.millimetres_per_unit = 0;
+  EXPECT_EQ(options.problem(), options.patches->step.problem());
+  EXPECT_NE(options.problem(), std::nullopt);
+  options.patches.emplace();
+  EXPECT_EQ(options.patches->problem(), std::nullopt);
   options.subdivision.scheme = SubdivisionScheme::Nuliss;
   EXPECT_NE(options.problem().value_or("").find("Catmull-Clark"), std::string::npos);
   EXPECT_THROW(subdivided_cage(cube(), options), InvalidInput);

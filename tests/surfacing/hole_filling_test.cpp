@@ -88,6 +88,12 @@ TEST(FilledMesh, FillsUpToTheNumberOfEdgesAndLeavesWhatItIsToldTo) {
   EXPECT_EQ(filled_mesh(open, options).n_filled(), 0);
   EXPECT_EQ(filled_mesh(open, options).mesh.triangles, open.triangles);
   options.most_edges = 2;
+  EXPECT_EQ(options.problem(open.n_vertices()), "most_edges must be at least 3, got 2");
+  EXPECT_THROW(filled_mesh(open, options), InvalidInput);
+  options.most_edges = 3;
+  EXPECT_EQ(options.problem(open.n_vertices()), std::nullopt);
+  EXPECT_NE(options.problem(open.n_vertices() + 1).value_or("").find("left_open must"), std::string::npos);
+  options.left_open.pop_back();
   EXPECT_THROW(filled_mesh(open, options), InvalidInput);
 }
 

@@ -4,10 +4,12 @@
 #include <set>
 
 #include <gtest/gtest.h>
+
 #if defined(__GLIBC__)
 #include <malloc.h>
 #endif
 
+#include "batten/core/error.hpp"
 #include "batten/core/random.hpp"
 #include "batten/surfacing/surface.hpp"
 
@@ -163,6 +165,9 @@ TEST(SurfaceMove, AThousandRandomMovesLeaveNoTrace) {
     return other;
   };
   std::size_t bytes_before = 0;
+  const SurfaceMoveOptions no_reach{.reach = static_cast<SurfaceReach>(7)};
+  EXPECT_EQ(no_reach.problem(), "reach must be Touched or All, got number 7");
+  EXPECT_THROW(kept.move(network.positions, network.normals, no_reach), InvalidInput);
   for (int round = 0; round < 1000; ++round) {
     const CurveNetwork other = changed(round % 3 == 0 ? 1 : 0.04);
     SurfaceMoveOptions options;
