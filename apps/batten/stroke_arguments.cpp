@@ -58,7 +58,7 @@ void report_strokes(const StrokeNetwork& made, Outcome& outcome) {
 }
 
 CurveNetwork run_mending(const StrokeArguments& arguments, const CurveNetwork& curves, Outcome& outcome) {
-  MendingOptions options;
+  NetworkMendingOptions options;
   options.weld_tolerance = stroke_options(arguments, bounding_box_diagonal(curves.positions)).weld_tolerance;
   if (arguments.weld != "auto" && options.weld_tolerance == 0) return curves;
   MendedNetwork mended = mended_network(curves, options);

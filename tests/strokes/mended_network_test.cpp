@@ -114,7 +114,7 @@ TEST(MendedNetwork, FacesDrawnOneByOneMeetInSharpEdges) {
 
 TEST(MendedNetwork, RefusesInWords) {
   CurveNetwork network = samples::octahedral_sphere(4);
-  MendingOptions options;
+  NetworkMendingOptions options;
   options.weld_tolerance = -1;
   EXPECT_THROW(mended_network(network, options), InvalidInput);
   network.normals.resize(0, 3);

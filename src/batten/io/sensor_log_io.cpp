@@ -165,8 +165,8 @@ class LogParser {
       flags_of_curve_[flags.number] = flags;
   }
 
-  void note(std::string sentence) const {
-    if (notes_ != nullptr) notes_->push_back(std::move(sentence));
+  void note(std::string_view sentence) const {
+    if (notes_ != nullptr) notes_->emplace_back(sentence);
   }
 
   void parse_header(std::string_view line) {

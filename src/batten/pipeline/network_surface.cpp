@@ -103,7 +103,7 @@ CurvesSurface curves_surface(const CurveNetwork& curves, const StrokeNetworkOpti
                              const NetworkSurfaceOptions& options, const Progress& progress) {
   CurvesSurface result;
   if (curves.has_normals()) {
-    MendingOptions mending;
+    NetworkMendingOptions mending;
     mending.weld_tolerance = strokes.weld_tolerance;
     MendedNetwork mended = mended_network(curves, mending);
     result.network = std::move(mended.network);

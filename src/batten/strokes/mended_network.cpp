@@ -195,13 +195,13 @@ bool has_patches(const CurveNetwork& network) {
 
 }  // namespace
 
-std::optional<std::string> MendingOptions::problem() const {
+std::optional<std::string> NetworkMendingOptions::problem() const {
   if (!(weld_tolerance >= 0) || !(weld_tolerance < 0.2))
     return concat("weld_tolerance must be from 0 to 0.2 of the diameter, got ", weld_tolerance);
   return std::nullopt;
 }
 
-MendedNetwork mended_network(const CurveNetwork& network, const MendingOptions& options) {
+MendedNetwork mended_network(const CurveNetwork& network, const NetworkMendingOptions& options) {
   if (const auto problem = options.problem()) throw InvalidInput(*problem);
   if (!network.has_normals()) throw InvalidInput("the network has no normals; mend it as a stroke set");
   network_topology(network);  // checks the indices

@@ -9,7 +9,7 @@
 namespace batten {
 
 /// Options of mended_network().
-struct MendingOptions {
+struct NetworkMendingOptions {
   /// Curves this near meet, as a fraction of the diameter; 0 tries several from 0.01 to 0.5 % and takes the
   /// least with which patches are found, fewest pieces are left out and fewest crossings missed.
   double weld_tolerance = 0;
@@ -36,6 +36,6 @@ struct MendedNetwork {
 /// vertices are averaged. A network in which every curve ends at a node and none touches another elsewhere
 /// comes back as it is, bit for bit.
 /// @throws InvalidInput without normals, for options out of range, or as network_topology().
-MendedNetwork mended_network(const CurveNetwork& network, const MendingOptions& options = {});
+MendedNetwork mended_network(const CurveNetwork& network, const NetworkMendingOptions& options = {});
 
 }  // namespace batten

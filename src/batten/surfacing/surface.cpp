@@ -465,14 +465,7 @@ SurfaceSolver::SurfaceSolver(const CurveNetwork& network, const SurfaceOptions& 
 SurfaceSolver::SurfaceSolver(const CurveNetwork& network, const std::vector<NetworkCycle>& cycles,
                              const SurfaceOptions& options, const Progress& progress)
     : implementation_(std::make_unique<Implementation>()) {
-  if (cycles.empty()) throw InvalidInput("there is no cycle to fill");
-  for (std::size_t c = 0; c < cycles.size(); ++c)
-    for (const NetworkCycle::Loop& loop : cycles[c].loops)
-      for (const int v : loop.vertices)
-        if (v < 0 || v >= network.positions.rows())
-          throw InvalidInput(concat("cycle ", c, " names vertex ", v,
-                                    ", but the network has the vertices 0 to ",
-                                    network.positions.rows() - 1));
+  detail::check_cycles(cycles, network);
   implementation_->network = network;
   implementation_->cycles = cycles;
   implementation_->cycles_are_given = true;

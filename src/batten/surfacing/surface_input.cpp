@@ -14,6 +14,17 @@ namespace batten::detail {
 using Eigen::Index;
 using Eigen::RowVector3d;
 
+void check_cycles(const std::vector<NetworkCycle>& cycles, const CurveNetwork& network) {
+  if (cycles.empty()) throw InvalidInput("there is no cycle to fill");
+  for (std::size_t c = 0; c < cycles.size(); ++c)
+    for (const NetworkCycle::Loop& loop : cycles[c].loops)
+      for (const int v : loop.vertices)
+        if (v < 0 || v >= network.positions.rows())
+          throw InvalidInput(concat("cycle ", c, " names vertex ", v,
+                                    ", but the network has the vertices 0 to ",
+                                    network.positions.rows() - 1));
+}
+
 void check_surface_input(const CurveNetwork& network, const SurfaceOptions& options) {
   if (const auto problem = options.problem()) throw InvalidInput(*problem);
   if (network.curves.empty()) throw InvalidInput("the network has no curves; there is nothing to surface");

@@ -10,6 +10,8 @@ namespace batten::detail {
 /// @throws InvalidInput where a surface cannot be asked for: options out of range, no curves, no normals,
 /// numbers that are not finite.
 void check_surface_input(const CurveNetwork& network, const SurfaceOptions& options);
+/// @throws InvalidInput where there are no cycles, or one names a vertex that is not there.
+void check_cycles(const std::vector<NetworkCycle>& cycles, const CurveNetwork& network);
 
 /// @throws InvalidInput when all vertices lie at one place.
 ScaledNetwork scaled_network(const CurveNetwork& network);
