@@ -49,7 +49,7 @@ void expect_carried(const TriangleMesh& mesh, double cell) {
 }
 
 TEST(ValueKind, IsToldByNameAndNumbers) {
-  EXPECT_EQ(value_kind("red", Eigen::Vector2d(0, 255)), ValueKind::Colour);
+  EXPECT_EQ(value_kind("red", Eigen::Vector2d(0, 255)), ValueKind::Channel);
   EXPECT_EQ(value_kind("red", Eigen::Vector2d(0, 256)), ValueKind::Label);
   EXPECT_EQ(value_kind("red", Eigen::Vector2d(0, 0.5)), ValueKind::Amount);
   EXPECT_EQ(value_kind("part", Eigen::Vector2d(0, 255)), ValueKind::Label);

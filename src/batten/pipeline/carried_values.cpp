@@ -14,7 +14,7 @@ ValueKind value_kind(const std::string& name, const Eigen::VectorXd& values) {
       std::all_of(values.begin(), values.end(), [](double value) { return std::floor(value) == value; });
   if (!whole || values.size() == 0) return ValueKind::Amount;
   const bool is_channel = name == "red" || name == "green" || name == "blue" || name == "alpha";
-  return is_channel && values.minCoeff() >= 0 && values.maxCoeff() <= 255 ? ValueKind::Colour
+  return is_channel && values.minCoeff() >= 0 && values.maxCoeff() <= 255 ? ValueKind::Channel
                                                                           : ValueKind::Label;
 }
 
@@ -36,7 +36,7 @@ void carry_values(const TriangleMesh& from, TriangleMesh& to, const Progress& pr
         if (at.weights[k] > 0) sum += at.weights[k] * values(from.triangles(at.element, k));
       if (kind == ValueKind::Label)
         sum = values(from.triangles(at.element, nearest));
-      else if (kind == ValueKind::Colour)
+      else if (kind == ValueKind::Channel)
         sum = std::round(sum);
       carried(v) = sum;
     }

@@ -6,9 +6,9 @@ namespace batten {
 
 /// How values per vertex are taken from one mesh to another on the same surface.
 enum class ValueKind {
-  Amount,  ///< interpolated in the triangle that holds the nearest point
-  Colour,  ///< `red`, `green`, `blue`, `alpha` of whole numbers from 0 to 255: interpolated and rounded
-  Label,   ///< other whole numbers, such as parts, materials and indices: that of the nearest corner
+  Amount,   ///< interpolated in the triangle that holds the nearest point
+  Channel,  ///< `red`, `green`, `blue`, `alpha` of whole numbers from 0 to 255: interpolated and rounded
+  Label,    ///< other whole numbers, such as parts, materials and indices: that of the nearest corner
 };
 
 /// What the values of a name are taken for, by name and numbers alone.
