@@ -21,7 +21,7 @@ Vector3d at(double x, double y) {
   return {x, y, 0};
 }
 
-void insert(PolylineMesh& mesh, const DrawnStroke& stroke, double snap) {
+void insert_within(PolylineMesh& mesh, const DrawnStroke& stroke, double snap) {
   edit(mesh, [&](PolylineMesh& m) { return insert_curve(m, stroke, {.snap = snap}); });
 }
 
@@ -32,8 +32,8 @@ DrawnStroke line(std::initializer_list<Vector3d> corners) {
 /// The unit square with straight curves, each of which ends on others.
 PolylineMesh square(const std::vector<std::pair<Vector3d, Vector3d>>& curves) {
   PolylineMesh mesh;
-  insert(mesh, {polygon({kO, kX, kX + kY, kY, kO}, 100), true}, kSnap);
-  for (const auto& [from, to] : curves) insert(mesh, line({from, to}), 1e-4);
+  insert_within(mesh, {polygon({kO, kX, kX + kY, kY, kO}, 100), true}, kSnap);
+  for (const auto& [from, to] : curves) insert_within(mesh, line({from, to}), 1e-4);
   return mesh;
 }
 
@@ -48,7 +48,7 @@ PolylineMesh slit(double width) {
   const double l = 0.5 - width / 2, r = 0.5 + width / 2;
   const Points border = polygon(
       {at(0, 0), at(1, 0), at(1, 1), at(r, 1), at(r, 0.5), at(l, 0.5), at(l, 1), at(0, 1), at(0, 0)}, 100);
-  insert(mesh, {border, true}, 1e-5);
+  insert_within(mesh, {border, true}, 1e-5);
   return mesh;
 }
 
@@ -61,14 +61,14 @@ PolylineMesh hairpin(double width) {
                turn = arc(at(0.5, 0.6), -r * kX, r * kY, 0, kPi, 100);
   Points points(up.rows() + turn.rows() + down.rows() - 2, 3);
   points << up, turn.middleRows(1, turn.rows() - 2), down;
-  insert(mesh, {points, false}, 1e-5);
+  insert_within(mesh, {points, false}, 1e-5);
   return mesh;
 }
 
 /// The model with one more curve, which has to follow its stroke.
 SketchCounts counts_after(PolylineMesh mesh, const DrawnStroke& stroke) {
   const int curve = mesh.n_curves();
-  insert(mesh, stroke, kSnap);
+  insert_within(mesh, stroke, kSnap);
   EXPECT_EQ(mesh.broken_invariant(), "");
   Segments segments(stroke.points.rows() - 1, 2);
   for (Index i = 0; i + 1 < stroke.points.rows(); ++i)
@@ -143,11 +143,11 @@ TEST(Contacts, CurvesOnBothSidesOfAStrokeAreRefusedWithARemedy) {
   DrawnStroke above{
       polygon({at(0.5, 0.2), at(0.5, 0.7), at(0.5, 0.7) + kZ, at(0.5, 0.2) + kZ, at(0.5, 0.2)}, 100), true};
   above.points.col(2).array() += 1.5 * kSnap;
-  insert(mesh, above, 1e-3);
+  insert_within(mesh, above, 1e-3);
   DrawnStroke stroke = line({at(0, 0.4), at(0.6, 0.4), at(0.6, 0)});
   stroke.points.col(2).array() = 0.7 * kSnap;
   try {
-    insert(mesh, stroke, kSnap);
+    insert_within(mesh, stroke, kSnap);
     FAIL() << "was not refused";
   } catch (const RefusedEdit& refused) {
     EXPECT_EQ(
@@ -157,7 +157,7 @@ TEST(Contacts, CurvesOnBothSidesOfAStrokeAreRefusedWithARemedy) {
     EXPECT_EQ(refused.remedy(), "give a snap of 0.0076 or less, or draw it clear of one of them");
   }
   const SketchCounts before = mesh.counts();
-  insert(mesh, stroke, 0.0076);
+  insert_within(mesh, stroke, 0.0076);
   EXPECT_EQ(mesh.counts().vertices, before.vertices + 4);  // both ends, c1, and the corner of the stroke
   EXPECT_EQ(mesh.broken_invariant(), "");
 }
@@ -166,7 +166,7 @@ TEST(Contacts, CurvesThatLieOnEachOtherAreRefused) {
   PolylineMesh mesh = strip(0.04 * kSnap);
   const PolylineMesh before = mesh;
   try {
-    insert(mesh, line({at(0, 0.4), at(1, 0.4)}), kSnap);
+    insert_within(mesh, line({at(0, 0.4), at(1, 0.4)}), kSnap);
     FAIL() << "was not refused";
   } catch (const RefusedEdit& refused) {
     EXPECT_NE(refused.reason().find("c1"), std::string::npos);
