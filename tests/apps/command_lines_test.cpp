@@ -57,16 +57,16 @@ TEST(CommandLines, RawReadingsAreCalibratedAndBecomeANetwork) {
 }
 
 TEST(CommandLines, AGyroscopeComesThroughTheLogToTheNetwork) {
-  run_json(
+  complete_json(
       "simulate ellipsoid -o scan.csv --raw --no-distortion --gyroscope --gyroscope-rate 50 --gyroscope-bias "
       "2deg "
       "--gyroscope-walk 0.001deg --gyroscope-scale 0.5% --gyroscope-misalignment 0.3deg "
-      "--gyroscope-temperature 0.03deg --gyroscope-warming 2 --step 3% --seed 3 --json");
-  const Json json = run_json("network scan.csv -o network.json --json", {"gyroscope"});
+      "--gyroscope-temperature 0.03deg --gyroscope-warming 2 --step 3% --seed 3");
+  const Json json = complete_json("network scan.csv -o network.json", {"gyroscope"});
   const auto bias = json["gyroscope"]["bias_deg_s"].get<std::vector<double>>();
   EXPECT_GT(std::hypot(bias[0], bias[1], bias[2]), 0.5);
   EXPECT_TRUE(json["warnings"].empty());
-  EXPECT_TRUE(run_json("orient scan.csv -o orientation.csv --json")["warnings"].empty());
+  EXPECT_TRUE(complete_json("orient scan.csv -o orientation.csv")["warnings"].empty());
 }
 
 TEST(CommandLines, OrientTakesEveryOption) {
