@@ -128,7 +128,7 @@ TEST(BadInput, SpoiltScansAreRefusedWithFileLineAndCause) {
       {"a reading with too many numbers", {{10, "1.571 -1 0 0 0 0 1 9"}}, {"bad.rawnet:10"}},
       {"parts that do not touch", {{6, "0 1 0"}, {21, "2 3"}}, {"curve 2", "not connected"}},
       {"a closed curve that ends elsewhere", {{6, "0 1 1"}}, {"curve 1"}},
-      {"a flag that is neither", {{2, "2"}}, {"bad.rawnet:2"}},
+      {"a flag that is neither", {{2, "3"}}, {"bad.rawnet:2"}},
   };
   for (const SpoiltScan& spoilt : cases) {
     SCOPED_TRACE(spoilt.name);

@@ -216,7 +216,7 @@ TEST(CommandLines, LengthsOfStrokesAreRelativeOrInTheUnitOfTheFile) {
   EXPECT_EQ(relative["genus"], 0);
   EXPECT_EQ(relative["vertices"], absolute["vertices"]);
   EXPECT_GT(complete_json("surface circles.obj -o f.ply")["vertices"], relative["vertices"]);
-  EXPECT_EQ(run_batten("surface circles.obj -o f.ply --weld 0").exit_code, 2);
+  EXPECT_EQ(run_batten("surface circles.obj -o f.ply --weld 0").exit_code, 3);
 }
 
 // ./demo ends with lines to try next: whoever copies one must not meet an error.

@@ -112,7 +112,7 @@ TEST(SurfaceOfSketch, TakesItsOptions) {
              coarse = surface("gap.obj -o gap.ply --step 6%");
   EXPECT_GT(fine["vertices"].get<int>(), 4 * coarse["vertices"].get<int>());
   EXPECT_EQ(run_batten("surface gap.obj -o gap.ply --weld nonsense").exit_code, 2);
-  EXPECT_EQ(run_batten("surface gap.obj -o gap.ply --weld 0").exit_code, 2);
+  EXPECT_EQ(run_batten("surface gap.obj -o gap.ply --weld 0").exit_code, 3);  // strokes never share vertices
   EXPECT_EQ(run_batten("surface gap.obj -o gap.ply --step -1").exit_code, 2);
 }
 
