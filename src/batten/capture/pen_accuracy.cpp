@@ -84,11 +84,11 @@ struct RightFrames {
       return;
     }
     if (next == entries.begin() || next->frame->time - (next - 1)->frame->time > kInterpolated) return;
-    const std::span<const Entry> line(next - 1, next + 1);
+    const std::span<const Entry> line(&*(next - 1), 2);
     std::span<const Entry> cubic;
     if (next - entries.begin() >= 2 && entries.end() - next >= 2 &&
         (next + 1)->frame->time - (next - 2)->frame->time < 3 * kInterpolated)
-      cubic = {next - 2, next + 2};
+      cubic = {&*(next - 2), 4};
     for (int led = 0; led < kPenLeds; ++led) {
       std::optional<Blob> blob;
       if (!cubic.empty()) blob = interpolated(cubic, led, time);
