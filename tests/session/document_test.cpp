@@ -73,7 +73,7 @@ TEST(Document, RandomEditsKeepInvariantsAndReplayIdentically) {
 #ifdef __SANITIZE_ADDRESS__
   constexpr int kSessions = 4, kCalls = 250;
 #else
-  constexpr int kSessions = 40, kCalls = 250;
+  constexpr int kSessions = 12, kCalls = 250;
 #endif
   int done = 0, refused = 0;
   std::map<std::string, int> done_by_tool;
