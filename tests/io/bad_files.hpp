@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "batten/core/error.hpp"
+
 namespace batten::test {
 
 inline const std::string kSharedData = BATTEN_SHARED_DATA;
@@ -38,6 +40,20 @@ inline std::string replaced(std::string text, const std::string& from, const std
   const size_t place = text.find(from);
   EXPECT_NE(place, std::string::npos) << from;
   return place == std::string::npos ? text : text.replace(place, from.size(), to);
+}
+
+/// Reading throws an error that names the file, the line (0: none) and the matter.
+template <typename Read>
+void expect_refused(const Read& read, const std::string& path, long line, const std::string& says) {
+  try {
+    read();
+    ADD_FAILURE() << "was read";
+  } catch (const FileError& error) {
+    EXPECT_EQ(error.path(), path);
+    EXPECT_NE(std::string(error.what()).find(path), std::string::npos) << error.what();
+    EXPECT_EQ(error.line(), line) << error.what();
+    EXPECT_NE(std::string(error.what()).find(says), std::string::npos) << error.what();
+  }
 }
 
 }  // namespace batten::test

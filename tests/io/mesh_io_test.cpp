@@ -255,14 +255,7 @@ class BadMesh : public testing::TestWithParam<BadFile> {};
 
 TEST_P(BadMesh, IsRefusedWithFileLineAndReason) {
   const BadFile& bad = GetParam();
-  try {
-    parse_mesh(bad.content, bad.name);
-    FAIL() << "was read";
-  } catch (const FileError& error) {
-    EXPECT_EQ(error.path(), bad.name);
-    EXPECT_EQ(error.line(), bad.line) << error.what();
-    EXPECT_NE(std::string(error.what()).find(bad.word), std::string::npos) << error.what();
-  }
+  expect_refused([&] { parse_mesh(bad.content, bad.name); }, bad.name, bad.line, bad.word);
 }
 
 const std::string kPly =

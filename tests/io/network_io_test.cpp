@@ -161,14 +161,7 @@ class BadNetwork : public testing::TestWithParam<BadFile> {};
 
 TEST_P(BadNetwork, IsRefusedWithFileLineAndReason) {
   const BadFile& bad = GetParam();
-  try {
-    parse_network(bad.content, bad.name);
-    FAIL() << "was read";
-  } catch (const FileError& error) {
-    EXPECT_EQ(error.path(), bad.name);
-    EXPECT_EQ(error.line(), bad.line) << error.what();
-    EXPECT_NE(std::string(error.what()).find(bad.word), std::string::npos) << error.what();
-  }
+  expect_refused([&] { parse_network(bad.content, bad.name); }, bad.name, bad.line, bad.word);
 }
 
 const std::string kNet = "3\n0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n";

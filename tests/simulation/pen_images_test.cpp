@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "batten/core/units.hpp"
+
 namespace batten {
 namespace {
 
@@ -47,7 +49,7 @@ TEST(PenImage, KeepsTheLightOfAMovingLed) {
         sum += image.at(x, y) - 20;
         moment += (image.at(x, y) - 20) * (x + 0.5);
       }
-    EXPECT_NEAR(sum, 2 * std::acos(-1.0) * h * s * s, 20);
+    EXPECT_NEAR(sum, 2 * kPi * h * s * s, 20);
     EXPECT_NEAR(moment / sum, 41.3 + shift, 0.03);
   }
 }

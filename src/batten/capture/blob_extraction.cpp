@@ -9,6 +9,7 @@
 #include "batten/core/disjoint_sets.hpp"
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
+#include "batten/core/units.hpp"
 
 namespace batten {
 
@@ -173,7 +174,7 @@ SpotGuess guess_of(const BrightRegion& region, const ImageTile& tile) {
   // A Gaussian lies above the threshold on an area of 2 π σ² ln(peak / threshold).
   const double ratio = guess.peak / std::max(1.0, tile.threshold - tile.background);
   const double area = static_cast<double>(region.area);
-  guess.sigma = std::sqrt(std::max(0.25, area / (2 * std::acos(-1.0) * std::log(std::max(1.3, ratio)))));
+  guess.sigma = std::sqrt(std::max(0.25, area / (2 * kPi * std::log(std::max(1.3, ratio)))));
   return guess;
 }
 

@@ -120,10 +120,8 @@ void finish_normals(TriangleMesh& mesh, std::vector<std::string>& warnings) {
                             ") have no direction and were taken from the faces"));
 }
 
-}  // namespace
-
 /// Attributes of polygons to their triangles, which follow each other as the polygons do.
-static MeshAttributes finished_attributes(RawMesh& raw, const Triangles& triangles) {
+MeshAttributes finished_attributes(RawMesh& raw, const Triangles& triangles) {
   MeshAttributes result = std::move(raw.attributes);
   std::vector<int> polygon_of;
   const PolygonMesh& faces = raw.faces;
@@ -156,6 +154,8 @@ static MeshAttributes finished_attributes(RawMesh& raw, const Triangles& triangl
   }
   return result;
 }
+
+}  // namespace
 
 TriangleMesh finished_mesh(RawMesh&& raw, const std::string& path, std::vector<std::string>* warnings,
                            MeshAttributes* attributes) {

@@ -125,11 +125,11 @@ class BlockJoiner {
                                  u1 = detail::polar_weights(sides[1].knots_u, 1 - s, {1 - s, 1 - s, 1 - s});
       const double in0 = 0.5 * sides[0].knots_v[4], in1 = 0.5 * sides[1].knots_v[4];
       const double step = sides[0].knots_v[4];
+      const Vector3d on = polar(sides[0], u0, detail::polar_weights(sides[0].knots_v, in0, {0, 0, 0}));
       for (const detail::PolarArguments& a : {detail::PolarArguments{0, 0, step}, {0, step, step}}) {
         const Vector3d here = polar(sides[0], u0, detail::polar_weights(sides[0].knots_v, in0, a));
         const Vector3d there =
             polar(sides[1], u1, detail::polar_weights(sides[1].knots_v, in1, {-a[0], -a[1], -a[2]}));
-        const Vector3d on = polar(sides[0], u0, detail::polar_weights(sides[0].knots_v, in0, {0, 0, 0}));
         if (!((here - there).norm() <= kJoint * (here - on).norm())) return false;
       }
     }
