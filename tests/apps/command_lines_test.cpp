@@ -1,4 +1,5 @@
 #include "apps/run_json.hpp"
+#include "sanitizers.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -221,9 +222,7 @@ TEST(CommandLines, LengthsOfStrokesAreRelativeOrInTheUnitOfTheFile) {
 
 // ./demo ends with lines to try next: whoever copies one must not meet an error.
 TEST(CommandLines, WhatTheDemoSuggestsRuns) {
-#ifdef __SANITIZE_ADDRESS__
-  GTEST_SKIP() << "a whole reconstruction: minutes under the sanitizers";
-#endif
+  if (test::kSanitized) GTEST_SKIP() << "a whole reconstruction: minutes under the sanitizers";
   std::ifstream demo(BATTEN_EXAMPLES "/../demo");
   ASSERT_TRUE(demo.is_open());
   complete_json("simulate sphere -o s.rawnet --truth surface.ply --truth-edge 6%");  // for that of the demo

@@ -1,5 +1,6 @@
 #include "apps/run_batten.hpp"
 #include "mesh/broken_shapes.hpp"
+#include "sanitizers.hpp"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -71,6 +72,7 @@ TEST(RepairCommand, IsTheRemedyThatOtherCommandsName) {
         std::string line = command;
         return line.replace(line.find("IN"), 2, path);
       };
+      if (test::kSanitized && name != "fin" && command.rfind("remesh", 0) != 0) continue;
       const auto refused = run_batten(with(name + ".off"));
       if (refused.exit_code != 0) {
         EXPECT_EQ(refused.exit_code, 3) << name << ": " << command;

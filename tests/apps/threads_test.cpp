@@ -1,4 +1,5 @@
 #include "apps/run_batten.hpp"
+#include "sanitizers.hpp"
 
 #include <cmath>
 #include <cstdlib>
@@ -82,11 +83,11 @@ TEST(Threads, ThatAreNoneAreBadUsage) {
 
 // Whatever is done on several threads must not depend on how many there are: not in the last bit of a file.
 TEST(Threads, DoNotChangeAByteOfWhatIsWritten) {
-  write_file("torus.obj", wavy_torus(110));
+  write_file("torus.obj", wavy_torus(test::repeated(110, 60)));
   for (const std::string command : {"fair torus.obj --noise 0.2", "fair torus.obj --method mcf",
                                     "remesh torus.obj", "simplify torus.obj --remove 80%"}) {
     std::string one;
-    for (const int threads : {1, 2, 3}) {
+    for (const int threads : {1, 3}) {
       const std::string file = "out_" + std::to_string(threads) + ".ply";
       const test::Run run = run_batten(command + " -o " + file + " --threads " + std::to_string(threads));
       ASSERT_EQ(run.exit_code, 0) << command << run.err;

@@ -2,6 +2,7 @@
 
 #include "fairing/shapes.hpp"
 #include "report_gaps.hpp"
+#include "sanitizers.hpp"
 #include "threads.hpp"
 
 #include <filesystem>
@@ -140,9 +141,7 @@ TEST_P(FairAutomaticallyOnMeshes, BeatsTheBestDefaultOfThePeersAtEveryLevelOfNoi
   const std::string path = std::string(BATTEN_SHARED_DATA) + "/meshes/" + peers.file;
   if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is missing";
   const TriangleMesh mesh = read_mesh(path);
-#ifdef __SANITIZE_ADDRESS__
-  if (mesh.n_vertices() > 8000) GTEST_SKIP() << "too slow under the sanitizers";
-#endif
+  if (test::kSanitized && mesh.n_vertices() > 8000) GTEST_SKIP() << "too slow under the sanitizers";
   const Points clean_result = fair_automatically(mesh.positions, mesh.triangles);
   EXPECT_LE(normal_error_deg(clean_result, mesh.positions, mesh.triangles), 0.2);
   for (int i = 0; i < 3; ++i) {

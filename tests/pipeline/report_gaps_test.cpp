@@ -1,6 +1,7 @@
 #include "report_gaps.hpp"
 
 #include "mesh/shapes.hpp"
+#include "sanitizers.hpp"
 #include "threads.hpp"
 
 #include <cmath>
@@ -56,7 +57,7 @@ TEST(ReportGaps, EveryRequestReportsAllAlongAndStopsWhereItIsTold) {
   SimplifiedMeshOptions simplify;
   simplify.simplify.remove = 0.8;
   SimulateOptions device;
-  device.step = 0.01;
+  device.step = test::repeated(0.01, 0.02);
   const Scan scan = simulate_scan(trace_shape(AnalyticShape::Torus), device).scan;
   ReconstructionOptions fine;
   fine.surface.edge_length = Length{0.02, Length::Kind::Relative};
@@ -73,7 +74,7 @@ TEST(ReportGaps, EveryRequestReportsAllAlongAndStopsWhereItIsTold) {
   for (const Work& work : all) {
     const test::ReportGaps gaps(work.run);
     EXPECT_LT(gaps.largest_share(), 0.25) << work.name << " before " << gaps.before();
-    for (const int stop_at : {1, gaps.reports() / 2}) {
+    for (const int stop_at : {1, gaps.reports() / test::repeated(2, 4)}) {
       int reports = 0;
       const Progress stop([&](std::string_view, double) { return ++reports < stop_at; });
       EXPECT_THROW(work.run(stop), Cancelled) << work.name << " at " << stop_at;

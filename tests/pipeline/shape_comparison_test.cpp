@@ -74,7 +74,7 @@ TEST(MeasuredMesh, IsMovedWithItsNormalsAndHasItsDistances) {
 // The truth itself, turned a quarter and moved, has no errors. One larger by a twentieth in every direction
 // is off by that of its longest half axis, 1, at the tips of it: no rigid motion mends that.
 TEST(TruthErrors, AreInPerCentOfTheTruthAfterARigidMotion) {
-  Shape truth = fixtures::sphere(6);
+  Shape truth = fixtures::sphere(5);
   truth.positions = truth.positions * Eigen::Vector3d(1, 0.8, 0.6).asDiagonal();
   Shape made = truth;
   for (Eigen::Index v = 0; v < made.positions.rows(); ++v) {
@@ -94,7 +94,7 @@ TEST(TruthErrors, AreInPerCentOfTheTruthAfterARigidMotion) {
 }
 
 TEST(TruthErrors, MovesByTheMotionsThatAreAllowed) {
-  const Shape truth = fixtures::sphere(6);
+  const Shape truth = fixtures::sphere(4);
   Shape made = truth;
   made.positions.col(0).array() += 0.25;
   EXPECT_NEAR(truth_errors(made, truth, RegistrationKind::None).lengths.max, 0.25, 0.02);

@@ -1,5 +1,6 @@
 #include "batten/scan/reconstruct.hpp"
 
+#include "sanitizers.hpp"
 #include "scan/scan_fixtures.hpp"
 #include "threads.hpp"
 
@@ -162,11 +163,7 @@ TEST(ReconstructionSolver, GivesWhatAFreshOneGivesAfterAThousandChanges) {
   const Scan scan = simulate_scan(trace_shape(AnalyticShape::Torus), test::noisy_device(1)).scan;
   ReconstructionSolver kept(scan);
   Random random(5);
-#ifdef __SANITIZE_ADDRESS__
-  constexpr int kChanges = 50;  // a thousand take five minutes
-#else
-  constexpr int kChanges = 1000;
-#endif
+  constexpr int kChanges = test::repeated(1000, 50);
   for (int i = 1; i <= kChanges; ++i) {
     const ScanOptions options = drawn_options(random);
     kept.follow(options);
@@ -268,6 +265,7 @@ TEST(NetworkFromScan, TakesTightTurnsForShapeAndImprovesWithTheNoise) {
   const TracedNetwork traced = flat_ellipsoid(0.3);
   double last = 0;
   for (const double noise : {0.0, 0.5, 1.0, 2.0}) {
+    if (test::kSanitized && noise != 1) continue;
     SimulateOptions device;
     device.seed = 1;
     device.orientation_noise = radians(noise);

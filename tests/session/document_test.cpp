@@ -1,6 +1,7 @@
 #include "batten/session/document.hpp"
 
 #include "random_edits.hpp"
+#include "sanitizers.hpp"
 
 #include <map>
 
@@ -70,11 +71,7 @@ TEST(Document, EditIsTakenBackWhenTheJournalFails) {
 // tool, and replay identically"). What a tool predicts is counted from its steps; χ is counted from the
 // result.
 TEST(Document, RandomEditsKeepInvariantsAndReplayIdentically) {
-#ifdef __SANITIZE_ADDRESS__
-  constexpr int kSessions = 4, kCalls = 250;
-#else
-  constexpr int kSessions = 12, kCalls = 250;
-#endif
+  constexpr int kSessions = test::repeated(12, 4), kCalls = 250;
   int done = 0, refused = 0;
   std::map<std::string, int> done_by_tool;
   for (int session = 0; session < kSessions; ++session) {

@@ -1,5 +1,6 @@
 #include "random_project.hpp"
 
+#include "sanitizers.hpp"
 #include "scratch.hpp"
 
 #include <map>
@@ -17,11 +18,7 @@ namespace {
 
 using namespace test;
 
-#ifdef __SANITIZE_ADDRESS__
-constexpr std::uint64_t kSeeds = 2;
-#else
-constexpr std::uint64_t kSeeds = 5;
-#endif
+constexpr std::uint64_t kSeeds = test::repeated(5, 1);
 constexpr int kEdits = 500;
 
 /// All that a document holds, as text that tells every bit of it, without what led to it.

@@ -1,4 +1,5 @@
 #include "random_edits.hpp"
+#include "sanitizers.hpp"
 
 #include <map>
 
@@ -137,11 +138,7 @@ Box random_box(Random& random) {
 }
 
 TEST(Search, FindsWhatASearchThroughTheWholeModelFinds) {
-#ifdef __SANITIZE_ADDRESS__
-  constexpr int kSessions = 1, kCalls = 50;
-#else
-  constexpr int kSessions = 6, kCalls = 100;
-#endif
+  constexpr int kSessions = test::repeated(4, 1), kCalls = test::repeated(100, 50);
   size_t n_hits = 0, n_taken_back = 0;
   for (int session = 0; session < kSessions; ++session) {
     Random random(7, static_cast<std::uint64_t>(session));

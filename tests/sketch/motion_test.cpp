@@ -1,3 +1,4 @@
+#include "sanitizers.hpp"
 #include "tool_models.hpp"
 
 #include <Eigen/Geometry>
@@ -66,11 +67,7 @@ TEST(Align, FindsThePoseOfACurveWithoutSymmetryInEveryTry) {
   }
   const Polyline curve(points);
   Random random(5);
-#ifdef __SANITIZE_ADDRESS__
-  constexpr int kTries = 50;  // the sanitizers look at the code, not at the statistics
-#else
-  constexpr int kTries = 1000;
-#endif
+  constexpr int kTries = test::repeated(1000, 50);
   int wrong = 0;
   for (int k = 0; k < kTries; ++k) {
     const Eigen::Quaterniond q =
