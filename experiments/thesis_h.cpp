@@ -1,5 +1,6 @@
 #include "thesis_h.hpp"
 
+#include "thesis_h_definitions.hpp"
 #include "thesis_h_tables.hpp"
 
 #include <algorithm>
@@ -43,34 +44,6 @@ std::string number(double value, const char* format = "%.3g") {
 /// The numbers of vertices and faces of a mesh, for captions.
 std::string counts(const TriangleMesh& mesh) {
   return concat(mesh.n_vertices(), " vertices, ", mesh.n_triangles(), " triangles.");
-}
-
-/// Every triangle cut into four by the midpoints of its sides.
-TriangleMesh midpoint_subdivided(const TriangleMesh& mesh) {
-  const MeshEdges edges = mesh_edges(mesh.triangles, mesh.n_vertices());
-  TriangleMesh result;
-  result.positions.resize(mesh.n_vertices() + edges.n_edges(), 3);
-  result.positions.topRows(mesh.n_vertices()) = mesh.positions;
-  for (Eigen::Index e = 0; e < edges.n_edges(); ++e)
-    result.positions.row(mesh.n_vertices() + e) =
-        (mesh.positions.row(edges.vertices(e, 0)) + mesh.positions.row(edges.vertices(e, 1))) / 2;
-  result.triangles.resize(4 * mesh.n_triangles(), 3);
-  for (Eigen::Index f = 0; f < mesh.n_triangles(); ++f) {
-    const Eigen::RowVector3i corner = mesh.triangles.row(f);
-    const Eigen::RowVector3i middle = edges.of_triangle.row(f).array() + static_cast<int>(mesh.n_vertices());
-    for (int k = 0; k < 3; ++k) result.triangles.row(4 * f + k) << corner[k], middle[k], middle[(k + 2) % 3];
-    result.triangles.row(4 * f + 3) = middle;
-  }
-  return result;
-}
-
-/// The diameter of a mesh in the unit of the thesis, from the volumes of both; 0 where it prints none.
-double printed_diameter(const std::string& name, const TriangleMesh& mesh) {
-  const double volume = enclosed_volume(mesh.positions, mesh.triangles);
-  for (const MeshData& data : kTable21)
-    if (data.mesh == name && volume > 0)
-      return bounding_box_diagonal(mesh.positions) * std::cbrt(data.volume / volume);
-  return 0;
 }
 
 /// A mesh and the same with noise.
@@ -299,17 +272,6 @@ void Experiments::fairing() {
     if (given) add("auto", nullptr, faired(data.mesh, *given, "auto", nullptr, FairingMethod::Automatic));
   }
   end_table(std::move(grid));
-}
-
-/// |Var(A) − Var(A0)| / Var(A0) by (2.49) as printed, Σ (A − Ā)² over the vertices.
-double printed_area_variance(const TriangleMesh& original, const TriangleMesh& result) {
-  const auto variance = [](const TriangleMesh& mesh) {
-    const double area = face_areas(mesh.positions, mesh.triangles).sum();
-    return area_variance(mesh.positions, mesh.triangles) * area * area /
-           static_cast<double>(mesh.n_vertices());
-  };
-  const double before = variance(original);
-  return std::abs(variance(result) - before) / before;
 }
 
 void Experiments::remeshing() {
