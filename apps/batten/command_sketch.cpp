@@ -1,5 +1,6 @@
 #include "command.hpp"
 #include "model_surface_arguments.hpp"
+#include "step_output.hpp"
 
 #include <algorithm>
 #include <memory>
@@ -171,7 +172,7 @@ void write_patches(const SketchArguments& arguments, const std::string& unit, co
       joined_bsplines(limit_bsplines(cage, {}, context.progress), context.progress);
   StepOptions step;
   step.millimetres_per_unit = millimetres_in(unit);
-  const std::string text = format_step(patches, step);
+  const std::string text = format_cad(cad_format_of(arguments.step), patches, step);
   write_file(arguments.step, text);
   Json& written = figures["step"];
   written["faces"] = patches.patches.size();
@@ -244,7 +245,10 @@ Outcome run_sketch(const SketchArguments& arguments, Context& context) {
   if (file_extension(arguments.output) != "batten")
     throw UnknownExtension(arguments.output, "is no project by its extension; use .batten");
   if (!arguments.surface.empty()) mesh_format(arguments.surface);
-  if (!arguments.step.empty()) require_step();
+  if (!arguments.step.empty()) {
+    cad_format_of(arguments.step);
+    require_step();
+  }
   Outcome outcome;
   const Document document = read_document(arguments, context, outcome);
   const ObjectId shown = model_to_show(document, arguments.model);
@@ -295,7 +299,8 @@ void add_sketch(CLI::App& app) {
   command->add_option("-o,--output", arguments->output, "Project to write: .batten")->required();
   command->add_option("--surface", arguments->surface, "Surface to write: .ply, .obj, .off or .stl");
   add_model_surface_options(*command, arguments->model_surface);
-  command->add_option("--step", arguments->step, "STEP file to write: the limit surface as B-spline faces");
+  command->add_option("--step", arguments->step,
+                      "STEP or IGES file to write: the limit surface as B-spline faces");
   command->add_option("--model", arguments->model, "Name of the model, where the project has several");
   command->add_flag("--strict", arguments->strict, "Exit with 1 when an edit was refused");
   command->add_flag("--accept-flaws", arguments->accept_flaws,

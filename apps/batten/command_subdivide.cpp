@@ -44,8 +44,7 @@ void check_arguments(const SubdivideArguments& arguments) {
     throw CLI::ValidationError("subdivide", "needs an output: -o for a mesh, --step for CAD, or both");
   if (!arguments.output.empty()) mesh_format(arguments.output);
   if (!arguments.step.empty()) {
-    if (!is_step_file(arguments.step, "step"))
-      throw UnknownExtension(arguments.step, "is no STEP file by its extension; use .step or .stp");
+    cad_format_of(arguments.step);
     if (parse_schemes(arguments.scheme).back() != SubdivisionScheme::CatmullClark)
       throw CLI::ValidationError("--step",
                                  "writes the limit surface of Catmull-Clark; the other schemes have no "
@@ -67,6 +66,7 @@ SubdividedCageOptions options_of(const SubdivideArguments& arguments) {
   if (!arguments.step.empty()) {
     options.patches.emplace();
     options.patches->tolerance = parse_fraction(arguments.step_tolerance);
+    options.patches->format = cad_format_of(arguments.step);
     options.patches->step.millimetres_per_unit = 1000 * metres_per_unit(arguments.unit);
   }
   return options;
@@ -102,7 +102,7 @@ void write_refined(const SubdivideArguments& arguments, RefinedCage refined, Out
 void write_patches(const SubdivideArguments& arguments, const CagePatches& patches, Outcome& outcome) {
   {
     const ScopedStage stage(outcome.times, "step");
-    write_file(arguments.step, patches.step);
+    write_file(arguments.step, patches.text);
   }
   const BsplineSurface& surface = patches.surface;
   Json figures = Json::object();
@@ -159,7 +159,8 @@ void add_subdivide(CLI::App& app) {
   command->add_option("--levels", arguments->levels, "Levels of refinement, 0 to 12")
       ->check(CLI::Range(0, 12));
   command->add_flag("--limit", arguments->limit, "Move the vertices onto the limit surface");
-  command->add_option("--step", arguments->step, "Also write the limit surface for CAD: .step or .stp");
+  command->add_option("--step", arguments->step,
+                      "Also write the limit surface for CAD: .step, .stp, .iges or .igs");
   command
       ->add_option("--step-tolerance", arguments->step_tolerance,
                    "Distance from the limit surface at extraordinary vertices, of the diameter")

@@ -21,25 +21,33 @@ void add_step_options(CLI::App& command, StepArguments& arguments) {
       ->check(CLI::PositiveNumber);
 }
 
-bool is_step_file(const std::string& path, std::string_view standard) {
-  const std::string extension = output_extension(path, standard);
-  return extension == "step" || extension == "stp";
+bool is_cad_file(const std::string& path, std::string_view standard) {
+  return cad_format(output_extension(path, standard)).has_value();
+}
+
+CadFormat cad_format_of(const std::string& path) {
+  const auto format = cad_format(output_extension(path, "step"));
+  if (!format)
+    throw UnknownExtension(path, "is no CAD file by its extension; use .step or .stp, .iges or .igs");
+  return *format;
 }
 
 void write_step(const std::string& path, const TriangleMesh& mesh, const std::vector<int>& patch_of_triangle,
-                const std::string& unit, const StepArguments& arguments, const Context& context,
-                Outcome& outcome) {
+                const CurveNetwork& network, const std::string& unit, const StepArguments& arguments,
+                const Context& context, Outcome& outcome) {
   StepSurfaceOptions options;
   options.faces.tolerance = parse_fraction(arguments.tolerance);
   options.faces.most_patches = arguments.max_patches;
   options.step.millimetres_per_unit = 1000 * metres_per_unit(unit);
+  options.format = cad_format_of(path);
+  options.network = &network;
   const StepSurface cad = step_surface(mesh, patch_of_triangle, options, context.progress);
   add_run(cad.times, cad.warnings, outcome);
   if (!cad.flaws.empty()) {
     outcome.failure = concat(cad.flaws.front(), "; ", path, " is not written");
   } else {
     const ScopedStage stage(outcome.times, "write");
-    write_file(path, cad.step);
+    write_file(path, cad.text);
   }
   const BsplineSurface& faces = cad.faces.surface;
   const double deviation = faces.deviation / cad.diameter;
@@ -53,7 +61,7 @@ void write_step(const std::string& path, const TriangleMesh& mesh, const std::ve
   figures["relative_deviation"] = deviation;
   figures["rms_deviation"] = cad.faces.rms_deviation;
   figures["normal_jump_deg"] = degrees(faces.normal_jump);
-  figures["bytes"] = cad.step.size();
+  figures["bytes"] = cad.text.size();
   outcome.figures["step"] = figures;
   if (cad.flaws.empty())
     outcome.lines.push_back(concat(path, ": ", faces.patches.size(), " B-spline faces, ",

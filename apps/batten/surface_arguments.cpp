@@ -22,7 +22,7 @@ int parse_rebuilds(const std::string& text) {
 }  // namespace
 
 void check_surface_output(const SurfaceArguments& arguments) {
-  if (!is_step_file(arguments.output))
+  if (!is_cad_file(arguments.output))
     mesh_format(arguments.output);
   else
     require_step();
@@ -49,9 +49,9 @@ void report_surface(const SurfaceArguments& arguments, NetworkSurface surface, c
   const std::string unit = !arguments.unit.empty() ? arguments.unit
                            : network.unit.empty()  ? "m"
                                                    : network.unit;
-  if (is_step_file(arguments.output)) {
-    write_step(arguments.output, surface.mesh, surface.patch_of_triangle, unit, arguments.step, context,
-               outcome);
+  if (is_cad_file(arguments.output)) {
+    write_step(arguments.output, surface.mesh, surface.patch_of_triangle, network, unit, arguments.step,
+               context, outcome);
   } else {
     const ScopedStage stage(outcome.times, "write");
     MeshWriteOptions options;
@@ -102,7 +102,7 @@ void report_surface(const SurfaceArguments& arguments, NetworkSurface surface, c
 void add_surface_options(CLI::App& command, SurfaceArguments& arguments) {
   command
       .add_option("-o,--output", arguments.output,
-                  "Mesh to write: .ply, .obj, .off, .stl, .glb or .3mf; or CAD faces: .step")
+                  "Mesh to write: .ply, .obj, .off, .stl, .glb or .3mf; or CAD faces: .step, .iges")
       ->required();
   command
       .add_option("--rebuilds", arguments.rebuilds,
@@ -135,7 +135,7 @@ void add_surface_options(CLI::App& command, SurfaceArguments& arguments) {
   add_step_options(command, arguments.step);
   command
       .add_option("--unit", arguments.unit,
-                  "Unit of the numbers, for .step, .glb and .3mf; that of the input, else m")
+                  "Unit of the numbers, for .step, .iges, .glb and .3mf; that of the input, else m")
       ->check(parses("UNIT", [](const std::string& text) { metres_per_unit(text); }));
   command
       .add_option("--max-triangles", arguments.max_triangles,

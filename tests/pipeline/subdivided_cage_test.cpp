@@ -76,7 +76,7 @@ TEST(SubdividedCage, PatchesAreAskedForAlone) {
   EXPECT_EQ(result.patches->surface.patches.size(), 6u);  // one per quad
   EXPECT_EQ(result.patches->n_exact, 0u);                 // every corner of a cube is extraordinary
   EXPECT_NEAR(result.patches->deviation, 10 * result.patches->surface.deviation, 1e-15);
-  EXPECT_EQ(read_step(result.patches->step).n_solids, 1);
+  EXPECT_EQ(read_step(result.patches->text).n_solids, 1);
 }
 
 TEST(SubdividedCage, BadOptionsAreNamedAndWorkIsCancelled) {

@@ -150,7 +150,7 @@ TEST(FindClosing, ClosesLoopsOfManyShapes) {
   const std::vector<std::function<Vector3d(double)>> shapes{circle, oval, egg, saddle};
   int n = 0, missed = 0;
   for (std::size_t shape = 0; shape < shapes.size(); ++shape)
-    for (std::uint64_t seed = 1; seed <= test::repeated(25, 5); ++seed) {
+    for (std::uint64_t seed = 1; seed <= test::repeated(25U, 5U); ++seed) {
       Random random(100 * seed + shape);
       const double past = random.uniform(shape == 1 ? -0.05 : -0.09, 0.15);
       const Vector3d drift = random.uniform(0, 0.15) * random.direction();

@@ -46,7 +46,7 @@ CagePatches cage_patches(const ControlCage& cage, const CagePatchesOptions& opti
   }
   {
     const ScopedStage stage(times, "step");
-    patches.step = format_step(patches.surface, options.step);
+    patches.text = format_cad(options.format, patches.surface, options.step);
   }
   patches.n_exact =
       static_cast<std::size_t>(std::count_if(patches.surface.patches.begin(), patches.surface.patches.end(),

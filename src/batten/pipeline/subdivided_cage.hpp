@@ -18,6 +18,7 @@ namespace batten {
 struct CagePatchesOptions {
   double tolerance = BsplineOptions{}.tolerance;  ///< as BsplineOptions::tolerance
   StepOptions step;
+  CadFormat format = CadFormat::Step;
 
   /// The first problem found, naming field and value, or nothing.
   std::optional<std::string> problem() const;
@@ -51,7 +52,7 @@ struct CagePatches {
   std::size_t n_sharp = 0;  ///< edges
   double diameter = 0;      ///< of the cage, in its unit
   double deviation = 0;     ///< of the limit surface from its patches, mm
-  std::string step;         ///< the text of the file
+  std::string text;         ///< of the file
 };
 
 /// What a cage is and what became of it.
@@ -65,7 +66,7 @@ struct SubdividedCage {
   StageTimes times;
 };
 
-/// Refines a cage, as a mesh, as B-splines for CAD, or both: subdivide(), limit_bsplines(), format_step().
+/// Refines a cage, as a mesh, as B-splines for CAD, or both: subdivide(), limit_bsplines(), format_cad().
 /// @throws InvalidInput as these; Error when Open Cascade cannot write; Cancelled.
 SubdividedCage subdivided_cage(const ControlCage& cage, const SubdividedCageOptions& options = {},
                                const Progress& progress = {});

@@ -8,6 +8,8 @@
 #include <set>
 #include <utility>
 
+#include <Eigen/Geometry>
+
 #include "batten/core/error.hpp"
 #include "batten/core/index.hpp"
 #include "batten/core/text.hpp"

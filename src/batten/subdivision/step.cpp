@@ -1,5 +1,5 @@
-// STEP through Open Cascade; the only source that includes it. Topology is built directly from that of the
-// patches, so that nothing depends on a sewing tolerance.
+// STEP and IGES through Open Cascade; the only source that includes it. Topology is built directly from that
+// of the patches, so that nothing depends on a sewing tolerance.
 #include "batten/subdivision/step.hpp"
 
 #include <algorithm>
@@ -19,6 +19,13 @@
 #include <Geom2d_Line.hxx>
 #include <Geom_BSplineCurve.hxx>
 #include <Geom_BSplineSurface.hxx>
+#include <IGESControl_Controller.hxx>
+#include <IGESControl_Reader.hxx>
+#include <IGESControl_Writer.hxx>
+#include <IGESData_GlobalSection.hxx>
+#include <IGESData_IGESModel.hxx>
+#include <IGESData_IGESWriter.hxx>
+#include <IGESData_Protocol.hxx>
 #include <Interface_Static.hxx>
 #include <Message.hxx>
 #include <Message_Messenger.hxx>
@@ -28,6 +35,7 @@
 #include <StepData_Protocol.hxx>
 #include <StepData_StepModel.hxx>
 #include <StepData_StepWriter.hxx>
+#include <StepRepr_RepresentationItem.hxx>
 #include <TColStd_Array1OfInteger.hxx>
 #include <TColStd_Array1OfReal.hxx>
 #include <TColgp_Array1OfPnt.hxx>
@@ -40,6 +48,11 @@
 #include <TopoDS_Compound.hxx>
 #include <TopoDS_Shell.hxx>
 #include <TopoDS_Solid.hxx>
+#include <TransferBRep.hxx>
+#include <TransferBRep_ShapeMapper.hxx>
+#include <Transfer_FinderProcess.hxx>
+#include <XSControl_TransferWriter.hxx>
+#include <XSControl_WorkSession.hxx>
 
 #include "batten/core/disjoint_sets.hpp"
 #include "batten/core/error.hpp"
@@ -133,13 +146,23 @@ std::vector<int> components(const BsplineSurface& surface) {
   return first;
 }
 
-TopoDS_Shape to_shape(const BsplineSurface& surface, double scale) {
+/// A surface as Open Cascade has it.
+struct CadShape {
+  TopoDS_Shape shape;
+  std::vector<TopoDS_Face> faces;  ///< of the patches
+  std::vector<TopoDS_Edge> edges;
+};
+
+CadShape to_shape(const BsplineSurface& surface, double scale) {
   const BRep_Builder builder;
+  CadShape made;
+  made.faces.resize(surface.patches.size());
   std::vector<TopoDS_Vertex> vertices(static_cast<size_t>(surface.vertices.rows()));
   for (size_t v = 0; v < vertices.size(); ++v)
     builder.MakeVertex(vertices[v], to_point(surface.vertices, static_cast<Eigen::Index>(v), scale),
                        kTolerance);
-  std::vector<TopoDS_Edge> edges(surface.edges.size());
+  std::vector<TopoDS_Edge>& edges = made.edges;
+  edges.resize(surface.edges.size());
   for (size_t e = 0; e < edges.size(); ++e) {
     const BsplineEdge& edge = surface.edges[e];
     builder.MakeEdge(edges[e], to_curve(edge.curve, scale), kTolerance);
@@ -162,7 +185,7 @@ TopoDS_Shape to_shape(const BsplineSurface& surface, double scale) {
     for (size_t f = c; f < component.size(); ++f) {
       if (component[f] != static_cast<int>(c)) continue;
       const BsplinePatch& patch = surface.patches[f];
-      TopoDS_Face face;
+      TopoDS_Face& face = made.faces[f];
       builder.MakeFace(face, to_surface(patch, scale), kTolerance);
       TopoDS_Wire wire;
       builder.MakeWire(wire);
@@ -192,8 +215,8 @@ TopoDS_Shape to_shape(const BsplineSurface& surface, double scale) {
     builder.Add(compound, last_shape);
     ++n_shapes;
   }
-  if (n_shapes == 1) return last_shape;
-  return compound;
+  made.shape = n_shapes == 1 ? last_shape : compound;
+  return made;
 }
 
 void silence() {
@@ -253,15 +276,8 @@ std::vector<double> flat_knots(const TColStd_Array1OfReal& knots) {
   return flat;
 }
 
-}  // namespace
-
-bool has_step() {
-  return true;
-}
-
-void require_step() {}
-
-std::string format_step(const BsplineSurface& surface, const StepOptions& options) {
+/// @throws InvalidInput naming what cannot be written.
+void check(const BsplineSurface& surface, const StepOptions& options) {
   if (const auto problem = options.problem()) throw InvalidInput(*problem);
   if (surface.patches.empty()) throw InvalidInput("the surface has no patches to write");
   for (const BsplineEdge& edge : surface.edges) {
@@ -274,14 +290,97 @@ std::string format_step(const BsplineSurface& surface, const StepOptions& option
           concat("the edge between vertices ", edge.vertices[0], " and ", edge.vertices[1], " is ", length,
                  " mm long, too short for CAD; check the unit of the cage, or join these vertices"));
   }
+}
+
+/// Eight decimals of millimetres, a tenth of the tolerance, for all that is smaller than a kilometre; else 16 digits
+/// instead of Open Cascade's 13. Its buffer holds 24 characters, and where it cuts zeros it cuts off those of
+/// exponents too.
+void set_digits(Interface_FloatWriter& writer, const BsplineSurface& surface, const StepOptions& options) {
+  double largest = 0;
+  for (const BsplinePatch& patch : surface.patches)
+    largest = std::max(largest, options.millimetres_per_unit * patch.control_points.cwiseAbs().maxCoeff());
+  const bool fixed = largest < 1e6;
+  writer.SetFormat(fixed ? "%.8f" : "%.15E");
+  writer.SetZeroSuppress(fixed);
+}
+
+/// Gives faces and edges the names of the options, in the entities that Open Cascade has made of them.
+void name_items(const Handle(Transfer_FinderProcess) & process, const BsplineSurface& surface,
+                const CadShape& made, const StepOptions& options) {
+  const auto set_name = [&](const TopoDS_Shape& shape, const std::vector<std::string>& names, std::size_t k) {
+    if (k >= names.size() || names[k].empty()) return;
+    Handle(StepRepr_RepresentationItem) item;
+    if (process->FindTypedTransient(TransferBRep::ShapeMapper(process, shape),
+                                    STANDARD_TYPE(StepRepr_RepresentationItem), item))
+      item->SetName(ascii(names[k]));
+  };
+  for (std::size_t f = 0; f < made.faces.size(); ++f)
+    set_name(made.faces[f], options.face_names, static_cast<std::size_t>(surface.patches[f].face));
+  for (std::size_t e = 0; e < made.edges.size(); ++e) set_name(made.edges[e], options.edge_names, e);
+}
+
+/// @throws InvalidInput where there is no shape.
+StepModel described(const TopoDS_Shape& shape) {
+  if (shape.IsNull()) throw InvalidInput("the file holds no shape");
+  StepModel model;
+  model.n_solids = count(shape, TopAbs_SOLID);
+  model.n_shells = count(shape, TopAbs_SHELL);
+  model.n_faces = count(shape, TopAbs_FACE);
+  model.n_edges = count(shape, TopAbs_EDGE);
+  model.n_vertices = count(shape, TopAbs_VERTEX);
+  model.is_valid = BRepCheck_Analyzer(shape).IsValid();
+  model.is_closed = every_edge_has_two_faces(shape);
+  // Adaptive integration per face; the plain one takes a fixed number of points and is off by 1e-4.
+  GProp_GProps area, volume;
+  BRepGProp::SurfaceProperties(shape, area, 1e-6);
+  model.area = area.Mass();
+  if (model.n_solids > 0) {
+    BRepGProp::VolumeProperties(shape, volume, 1e-6, true);
+    model.volume = volume.Mass();
+  }
+  model.largest_gap = largest_gap(shape);
+  Eigen::AlignedBox3d box;
+  for (TopExp_Explorer faces(shape, TopAbs_FACE); faces.More(); faces.Next()) {
+    const Handle(Geom_BSplineSurface) surface =
+        Handle(Geom_BSplineSurface)::DownCast(BRep_Tool::Surface(TopoDS::Face(faces.Current())));
+    if (surface.IsNull() || surface->UDegree() != 3 || surface->VDegree() != 3 || surface->IsURational() ||
+        surface->IsVRational())
+      continue;
+    BsplinePatch patch;
+    patch.knots_u = flat_knots(surface->UKnotSequence());
+    patch.knots_v = flat_knots(surface->VKnotSequence());
+    patch.control_points.resize(patch.n_u() * patch.n_v(), 3);
+    for (int j = 0; j < surface->NbVPoles(); ++j)
+      for (int i = 0; i < surface->NbUPoles(); ++i) {
+        const gp_Pnt pole = surface->Pole(i + 1, j + 1);
+        const Eigen::Vector3d point(pole.X(), pole.Y(), pole.Z());
+        patch.control_points.row(j * patch.n_u() + i) = point.transpose();
+        box.extend(point);
+      }
+    model.patches.push_back(std::move(patch));
+  }
+  if (!box.isEmpty()) model.diameter = box.diagonal().norm();
+  return model;
+}
+
+}  // namespace
+
+bool has_step() {
+  return true;
+}
+
+void require_step() {}
+
+std::string format_step(const BsplineSurface& surface, const StepOptions& options) {
+  check(surface, options);
   const std::lock_guard<std::mutex> lock(open_cascade());
   try {
     silence();
     STEPControl_Writer writer;
     Interface_Static::SetCVal("write.step.unit", "MM");
     Interface_Static::SetIVal("write.surfacecurve.mode", 1);
-    const TopoDS_Shape shape = to_shape(surface, options.millimetres_per_unit);
-    if (writer.Transfer(shape, STEPControl_AsIs) != IFSelect_RetDone)
+    const CadShape made = to_shape(surface, options.millimetres_per_unit);
+    if (writer.Transfer(made.shape, STEPControl_AsIs) != IFSelect_RetDone)
       throw Error("Open Cascade could not turn the surface into STEP entities");
     const Handle(StepData_StepModel) model = writer.Model();
     // Open Cascade numbers its products through the life of the process.
@@ -291,6 +390,7 @@ std::string format_step(const BsplineSurface& surface, const StepOptions& option
       product->SetId(ascii(options.name));
       product->SetName(ascii(options.name));
     }
+    name_items(writer.WS()->TransferWriter()->FinderProcess(), surface, made, options);
     APIHeaderSection_MakeHeader header(model);
     header.SetName(ascii(options.name));
     header.SetTimeStamp(ascii("1970-01-01T00:00:00"));  // the same surface, the same file
@@ -298,16 +398,47 @@ std::string format_step(const BsplineSurface& surface, const StepOptions& option
     header.SetOriginatingSystem(ascii("Batten"));
     header.Apply(model);
     StepData_StepWriter step(model);
-    // 16 digits instead of 13. More would not fit into Open Cascade's buffer of 24 characters, and where it
-    // cuts zeros it cuts off exponents too.
-    step.FloatWriter().SetFormat("%.15E");
-    step.FloatWriter().SetZeroSuppress(false);
+    set_digits(step.FloatWriter(), surface, options);
     step.SendModel(Handle(StepData_Protocol)::DownCast(model->Protocol()));
     std::ostringstream text;
     if (!step.Print(text)) throw Error("Open Cascade could not write the STEP entities");
     return text.str();
   } catch (const Standard_Failure& failure) {
     throw Error(concat("Open Cascade failed to write STEP: ", failure.GetMessageString()));
+  }
+}
+
+std::string format_iges(const BsplineSurface& surface, const StepOptions& options) {
+  check(surface, options);
+  const std::lock_guard<std::mutex> lock(open_cascade());
+  try {
+    silence();
+    IGESControl_Controller::Init();
+    constexpr int kSolids = 1;  // boundary representations instead of loose trimmed surfaces
+    IGESControl_Writer writer("MM", kSolids);
+    if (!writer.AddShape(to_shape(surface, options.millimetres_per_unit).shape))
+      throw Error("Open Cascade could not turn the surface into IGES entities");
+    writer.ComputeModel();
+    const Handle(IGESData_IGESModel) model = writer.Model();
+    IGESData_GlobalSection header = model->GlobalSection();
+    const Handle(TCollection_HAsciiString) date =
+        ascii("19700101.000000");  // the same surface, the same file
+    header.SetDate(date);
+    header.SetLastChangeDate(date);
+    header.SetSendName(ascii(options.name));
+    header.SetReceiveName(ascii(options.name));
+    header.SetFileName(ascii(options.name));
+    header.SetSystemId(ascii("Batten"));
+    header.SetAuthorName(ascii("Batten"));
+    model->SetGlobalSection(header);
+    IGESData_IGESWriter iges(model);
+    set_digits(iges.FloatWriter(), surface, options);
+    iges.SendModel(Handle(IGESData_Protocol)::DownCast(model->Protocol()));
+    std::ostringstream text;
+    if (!iges.Print(text)) throw Error("Open Cascade could not write the IGES entities");
+    return text.str();
+  } catch (const Standard_Failure& failure) {
+    throw Error(concat("Open Cascade failed to write IGES: ", failure.GetMessageString()));
   }
 }
 
@@ -321,49 +452,25 @@ StepModel read_step(const std::string& text) {
     if (text.compare(0, 13, "ISO-10303-21;") != 0 || reader.ReadStream("model", in) != IFSelect_RetDone)
       throw InvalidInput("this is no STEP file; expected it to begin with ISO-10303-21;");
     reader.TransferRoots();
-    const TopoDS_Shape shape = reader.OneShape();
-    if (shape.IsNull()) throw InvalidInput("the STEP file holds no shape");
-    StepModel model;
-    model.n_solids = count(shape, TopAbs_SOLID);
-    model.n_shells = count(shape, TopAbs_SHELL);
-    model.n_faces = count(shape, TopAbs_FACE);
-    model.n_edges = count(shape, TopAbs_EDGE);
-    model.n_vertices = count(shape, TopAbs_VERTEX);
-    model.is_valid = BRepCheck_Analyzer(shape).IsValid();
-    model.is_closed = every_edge_has_two_faces(shape);
-    // Adaptive integration per face; the plain one takes a fixed number of points and is off by 1e-4.
-    GProp_GProps area, volume;
-    BRepGProp::SurfaceProperties(shape, area, 1e-6);
-    model.area = area.Mass();
-    if (model.n_solids > 0) {
-      BRepGProp::VolumeProperties(shape, volume, 1e-6, true);
-      model.volume = volume.Mass();
-    }
-    model.largest_gap = largest_gap(shape);
-    Eigen::AlignedBox3d box;
-    for (TopExp_Explorer faces(shape, TopAbs_FACE); faces.More(); faces.Next()) {
-      const Handle(Geom_BSplineSurface) surface =
-          Handle(Geom_BSplineSurface)::DownCast(BRep_Tool::Surface(TopoDS::Face(faces.Current())));
-      if (surface.IsNull() || surface->UDegree() != 3 || surface->VDegree() != 3 || surface->IsURational() ||
-          surface->IsVRational())
-        continue;
-      BsplinePatch patch;
-      patch.knots_u = flat_knots(surface->UKnotSequence());
-      patch.knots_v = flat_knots(surface->VKnotSequence());
-      patch.control_points.resize(patch.n_u() * patch.n_v(), 3);
-      for (int j = 0; j < surface->NbVPoles(); ++j)
-        for (int i = 0; i < surface->NbUPoles(); ++i) {
-          const gp_Pnt pole = surface->Pole(i + 1, j + 1);
-          const Eigen::Vector3d point(pole.X(), pole.Y(), pole.Z());
-          patch.control_points.row(j * patch.n_u() + i) = point.transpose();
-          box.extend(point);
-        }
-      model.patches.push_back(std::move(patch));
-    }
-    if (!box.isEmpty()) model.diameter = box.diagonal().norm();
-    return model;
+    return described(reader.OneShape());
   } catch (const Standard_Failure& failure) {
     throw InvalidInput(concat("Open Cascade failed to read the STEP file: ", failure.GetMessageString()));
+  }
+}
+
+StepModel read_iges(const std::string& path) {
+  const std::lock_guard<std::mutex> lock(open_cascade());
+  try {
+    silence();
+    IGESControl_Controller::Init();
+    IGESControl_Reader reader;
+    Interface_Static::SetCVal("xstep.cascade.unit", "MM");
+    if (reader.ReadFile(path.c_str()) != IFSelect_RetDone)
+      throw InvalidInput(concat(path, " is no IGES file"));
+    reader.TransferRoots();
+    return described(reader.OneShape());
+  } catch (const Standard_Failure& failure) {
+    throw InvalidInput(concat("Open Cascade failed to read ", path, ": ", failure.GetMessageString()));
   }
 }
 

@@ -1,8 +1,10 @@
 #pragma once
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "batten/core/choices.hpp"
 #include "batten/subdivision/bspline_surface.hpp"
 
 namespace batten {
@@ -15,12 +17,23 @@ bool has_step();
 /// @throws InvalidInput that says how to get Open Cascade, where has_step() is false.
 void require_step();
 
-/// Options of format_step().
+/// What files for CAD are written as.
+enum class CadFormat { Step, Iges };
+constexpr auto choices_of(CadFormat) {
+  return choices<CadFormat>("CAD format", {{CadFormat::Step, "step"}, {CadFormat::Iges, "iges"}});
+}
+/// By its extension: .step and .stp, .igs and .iges, in small letters; nothing where it is neither.
+std::optional<CadFormat> cad_format(std::string_view extension);
+
+/// Options of format_step() and format_iges().
 struct StepOptions {
   /// STEP files declare millimetres; a cage in metres is written a thousand times larger. Above 0.
   double millimetres_per_unit = 1000;
   /// The name of the product in the file.
   std::string name = "surface";
+  /// Names of faces by the `face` of their patches, and of edges by their number; empty or missing: none.
+  /// Characters beyond ASCII become underscores. IGES has no place for them.
+  std::vector<std::string> face_names{}, edge_names{};
 
   /// The first problem found, naming field and value, or nothing.
   std::optional<std::string> problem() const;
@@ -33,7 +46,14 @@ struct StepOptions {
 /// when Open Cascade cannot write.
 std::string format_step(const BsplineSurface& surface, const StepOptions& options = {});
 
-/// What Open Cascade makes of a STEP file.
+/// The same as the text of an IGES file (version 5.3): solids and shells as boundary representations.
+/// @throws as format_step().
+std::string format_iges(const BsplineSurface& surface, const StepOptions& options = {});
+
+/// format_step() or format_iges(). @throws as these.
+std::string format_cad(CadFormat format, const BsplineSurface& surface, const StepOptions& options = {});
+
+/// What Open Cascade makes of a STEP or IGES file.
 struct StepModel {
   int n_solids = 0, n_shells = 0, n_faces = 0, n_edges = 0, n_vertices = 0;
   bool is_valid = false;   ///< Open Cascade's own check of geometry and topology
@@ -49,5 +69,8 @@ struct StepModel {
 
 /// Reads a STEP file back. @throws InvalidInput without Open Cascade or when the text is no STEP file.
 StepModel read_step(const std::string& text);
+
+/// Reads an IGES file back. @throws InvalidInput without Open Cascade or when the file is none of IGES.
+StepModel read_iges(const std::string& path);
 
 }  // namespace batten

@@ -8,7 +8,7 @@ namespace {
 
 [[noreturn]] void refuse() {
   throw InvalidInput(
-      "this build of batten has no Open Cascade and neither writes nor reads STEP; get it with "
+      "this build of batten has no Open Cascade and neither writes nor reads STEP and IGES; get it with "
       "tools/setup step && tools/build program");
 }
 
@@ -26,7 +26,15 @@ std::string format_step(const BsplineSurface&, const StepOptions&) {
   refuse();
 }
 
+std::string format_iges(const BsplineSurface&, const StepOptions&) {
+  refuse();
+}
+
 StepModel read_step(const std::string&) {
+  refuse();
+}
+
+StepModel read_iges(const std::string&) {
   refuse();
 }
 

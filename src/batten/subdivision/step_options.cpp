@@ -12,4 +12,14 @@ std::optional<std::string> StepOptions::problem() const {
   return std::nullopt;
 }
 
+std::optional<CadFormat> cad_format(std::string_view extension) {
+  if (extension == "step" || extension == "stp") return CadFormat::Step;
+  if (extension == "iges" || extension == "igs") return CadFormat::Iges;
+  return std::nullopt;
+}
+
+std::string format_cad(CadFormat format, const BsplineSurface& surface, const StepOptions& options) {
+  return format == CadFormat::Iges ? format_iges(surface, options) : format_step(surface, options);
+}
+
 }  // namespace batten
