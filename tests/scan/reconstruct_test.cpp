@@ -28,7 +28,7 @@ TEST(NetworkFromScan, IsExactOnCirclesWithoutNoise) {
   }
 }
 
-TEST(NetworkFromScan, ConvergesWithSecondOrderAndTheThesisSchemeWithFirst) {
+TEST(NetworkFromScan, ConvergesWithFourthOrderAndTheThesisSchemeWithFirst) {
   SimulateOptions device;
   device.step = 0.002;
   const TracedNetwork traced = trace_shape(AnalyticShape::Dish);
@@ -40,7 +40,7 @@ TEST(NetworkFromScan, ConvergesWithSecondOrderAndTheThesisSchemeWithFirst) {
     options.step = relative(0.016);
     return std::log2(coarse / test::network_error(traced, network_from_scan(scan, options))) / 2;
   };
-  EXPECT_GT(order(), 1.8);
+  EXPECT_GT(order(), 3.1);  // third order at the ends of curves
   options.scheme = IntegrationScheme::Thesis;
   const double first = order();
   EXPECT_GT(first, 0.7);
@@ -82,6 +82,42 @@ TEST(NetworkFromScan, FindsTheFactorsOfEstimatedLengths) {
   const double first = result.report.factors[0] * scan.report.distance_factors[0];
   for (size_t c = 1; c < result.report.factors.size(); ++c)
     EXPECT_NEAR(result.report.factors[c] * scan.report.distance_factors[c] / first, 1, 0.02);
+}
+
+/// The mean of the speed spreads of a scan of the dish in the time that an uneven hand takes, and the error.
+std::pair<double, double> timed_dish(double variation, LengthChoice lengths) {
+  const TracedNetwork traced = trace_shape(AnalyticShape::Dish);
+  SimulateOptions device;
+  device.seed = 3;
+  device.step = 0.012;
+  device.orientation_noise = radians(0.5);
+  device.speed_variation = variation;
+  ScanOptions options;
+  options.step = relative(0.04);
+  options.lengths = lengths;
+  const ScanNetwork result = network_from_scan(simulate_scan(traced, device).scan, options);
+  EXPECT_EQ(result.report.warnings.empty(), variation == 0 || lengths == LengthChoice::Measured);
+  double spread = 0;
+  for (const double s : result.report.speed_spread) spread += s / static_cast<double>(traced.curves.size());
+  return {spread, test::network_error(traced, result)};
+}
+
+// Before the speed could change along a curve, 1.8 % were left of 20 %, measured or estimated.
+TEST(NetworkFromScan, FollowsAHandWhoseSpeedIsUneven) {
+  const auto [none, as_measured] = timed_dish(0.2, LengthChoice::Measured);
+  const auto [spread, error] = timed_dish(0.2, LengthChoice::Estimated);
+  EXPECT_LT(none, 1e-6);
+  EXPECT_GT(as_measured, 0.01);
+  EXPECT_LT(error, 0.3 * as_measured);
+  EXPECT_GT(spread, 0.05);
+  EXPECT_LT(spread, 0.2);
+}
+
+TEST(NetworkFromScan, EstimatedLengthsCostNothingWhereTheMeasuredAreRight) {
+  const auto [none, as_measured] = timed_dish(0, LengthChoice::Measured);
+  const auto [spread, error] = timed_dish(0, LengthChoice::Estimated);
+  EXPECT_LT(error, 1.2 * as_measured);
+  EXPECT_LT(spread, 0.01);
 }
 
 TEST(NetworkFromScan, DoesNotDependOnOrderUnitOrientationAndDirection) {
@@ -258,8 +294,8 @@ TracedNetwork flat_ellipsoid(double height) {
   return traced;
 }
 
-// 0.020 % is required of exact data where the samples resolve the curves; here the tightest radius is 1.4
-// steps. Before shape was told from disturbance the errors were 0.03, 0.45, 0.74 and 0.32 % with most of two
+// 0.020 % is required of exact data; here the tightest radius is 1.4 steps, and the steps there are halved.
+// Before shape was told from disturbance the errors were 0.03, 0.45, 0.74 and 0.32 % with most of two
 // curves ignored.
 TEST(NetworkFromScan, TakesTightTurnsForShapeAndImprovesWithTheNoise) {
   const TracedNetwork traced = flat_ellipsoid(0.3);
@@ -274,7 +310,7 @@ TEST(NetworkFromScan, TakesTightTurnsForShapeAndImprovesWithTheNoise) {
     const ScanNetwork result = network_from_scan(simulate_scan(traced, device).scan);
     const double error = test::network_error(traced, result);
     EXPECT_GT(error, last) << noise;
-    EXPECT_LT(error, 4e-4 + 8e-4 * noise) << noise;
+    EXPECT_LT(error, 1e-4 + 9e-4 * noise) << noise;
     EXPECT_TRUE(result.report.warnings.empty()) << result.report.warnings.front();
     last = error;
   }
@@ -305,7 +341,7 @@ TEST(NetworkFromScan, TakesDrawnCurvesForExactAtAnyStep) {
     options.step = relative(step);
     const ScanNetwork result = network_from_scan(simulated.scan, options);
     // At 1.6 % a step turns by up to 25°: the error is that of the samples.
-    EXPECT_LT(test::network_error(traced, result), step > 0.01 ? 4e-4 : 2e-4) << step;
+    EXPECT_LT(test::network_error(traced, result), step > 0.01 ? 4e-4 : 2.2e-4) << step;
     EXPECT_TRUE(result.report.warnings.empty()) << step;
     EXPECT_EQ(result.report.lambda, 0);
   }

@@ -10,6 +10,7 @@
 #include "batten/core/parallel.hpp"
 #include "batten/linalg/sparse_cholesky.hpp"
 #include "batten/rotation/so3.hpp"
+#include "batten/scan/rate_change_detail.hpp"
 
 namespace batten {
 
@@ -306,6 +307,25 @@ std::vector<Points> frame_steps(const SampledScan& scan, StepRule rule) {
         steps[c].row(k) =
             frame_step(curve.frames[k], curve.frames[k + 1], curve.step(static_cast<int>(k)), rule);
     });
+  }
+  return steps;
+}
+
+std::vector<Points> fourth_order_steps(const SampledScan& scan) {
+  std::vector<Points> steps = frame_steps(scan, StepRule::ConstantRate);
+  for (size_t c = 0; c < scan.curves.size(); ++c) {
+    const SampledCurve& curve = scan.curves[c];
+    const int n = curve.n_samples() - 1;
+    std::vector<Eigen::Vector3d> omega;
+    std::vector<double> lengths;
+    for (int k = 0; k < n; ++k) {
+      lengths.push_back(curve.step(k));
+      omega.push_back(so3_log(curve.frames[k].transpose() * curve.frames[k + 1]) / curve.step(k));
+    }
+    const std::vector<Eigen::Vector3d> changes = rate_changes(omega, lengths, curve.smooth_seam);
+    for (int k = 0; k < n; ++k)
+      steps[c].row(k) += step_of_rate_change(curve.frames[k], lengths[k] * omega[k], lengths[k],
+                                             0.5 * (changes[k] + changes[k + 1]));
   }
   return steps;
 }

@@ -36,6 +36,10 @@ Eigen::Vector3d frame_step(const Eigen::Matrix3d& X, const Eigen::Matrix3d& Y, d
 /// All steps of every curve: (n_samples − 1) × 3 each.
 std::vector<Points> frame_steps(const SampledScan& scan, StepRule rule);
 
+/// The same, with the rate of turn changing along each step as it does from step to step around it: fourth
+/// order in the steps where the curves are smooth, StepRule::ConstantRate where they turn evenly.
+std::vector<Points> fourth_order_steps(const SampledScan& scan);
+
 /// Positions of all vertices, and how well the steps closed before they were made to.
 struct IntegrationResult {
   Points positions;  ///< one row per vertex of number_vertices()

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
@@ -25,6 +26,8 @@ enum class JointStart {
   /// takes
   /// their shape for a disturbance.
   Readings,
+  /// The same, and all samples are trusted throughout.
+  Trusting,
 };
 
 /// Frames and positions to begin with: a regression, integrated.
@@ -69,23 +72,43 @@ struct Round {
   int most_steps;
 };
 constexpr Round kRounds[] = {{1.0, 3}, {0.2, 25}};
+/// After so many steps of a round the changes of the rates of turn are held, and after so many the trust:
+/// neither has derivatives, and single samples may go to and fro between two values of theirs for ever.
+constexpr int kRateChangeSteps = 8, kTrustSteps = 16;
 /// Turns below this (radians) are far below the noise of every device.
 constexpr double kLeastTurn = 1e-6;
 /// Below this turn steps that no longer shrink are rounding: dense samples make stiff systems.
 constexpr double kRoundingTurn = 1e-4;
+
+/// Parameters, factor and unevenness of a curve with the factors found.
+void rescale(const JointModel& model, int c, SampledCurve& curve, JointEstimate& estimate) {
+  const Eigen::VectorXd measured = curve.parameters;
+  const double length = curve.length();
+  double mean = 0, squares = 0;
+  for (int k = 0; k + 1 < curve.n_samples(); ++k) {
+    const double h = measured[k + 1] - measured[k];
+    const double e = model.log_factor(model.layout().steps[model.layout().first_step[c] + k]);
+    curve.parameters[k + 1] = curve.parameters[k] + std::exp(e) * h;
+    mean += e * h / length;
+    squares += e * e * h / length;
+  }
+  estimate.log_factors[c] = std::log(curve.length() / length);
+  estimate.speed_spread[c] = std::sqrt(std::max(0.0, squares - mean * mean));
+}
 
 JointEstimate result_of(const SampledScan& scan, const JointModel& model) {
   const JointLayout& layout = model.layout();
   const JointState& state = model.state();
   JointEstimate estimate;
   estimate.scan = scan;
-  estimate.log_factors = state.log_factors;
+  estimate.log_factors.resize(layout.n_curves);
+  estimate.speed_spread.resize(layout.n_curves);
   for (int c = 0; c < layout.n_curves; ++c) {
     SampledCurve& curve = estimate.scan.curves[c];
     const int n = curve.n_samples(), first = layout.first_sample[c];
     for (int k = 0; k < n; ++k)
       curve.frames[k] = nearest_rotation(state.X[layout.frame_of_sample[first + k]]);
-    curve.parameters *= std::exp(state.log_factors[c]);
+    rescale(model, c, curve, estimate);
     estimate.drift.push_back(state.drift.middleRows(first, n));
     estimate.trust.push_back(state.trust.segment(first, n));
   }
@@ -152,11 +175,11 @@ Attempt attempt(const SampledScan& scan, const JointOptions& options, JointStart
       ++iterations;
       ++evaluations;
       progress.report("joint estimate", std::min(1.0, iterations / 15.0));
-      if (options.robust) model.update_trust(noise.white);
+      if (options.robust && start != JointStart::Trusting && i < kTrustSteps) model.update_trust(noise.white);
       converged = turn < kLeastTurn || (turn < kRoundingTurn && turn > last && last > 0);
       last = turn;
       if (converged) break;
-      model.linearize(part());
+      model.linearize(part(), i < kRateChangeSteps);
     }
   }
   Attempt result{result_of(scan, model), evidence + model.distrust_cost(noise.white)};
@@ -165,6 +188,7 @@ Attempt attempt(const SampledScan& scan, const JointOptions& options, JointStart
   estimate.iterations = iterations;
   estimate.evaluations = evaluations;
   estimate.evidence = evidence;
+  estimate.cost = result.cost;
   estimate.converged = converged;
   estimate.factor_deviation = model.factor_deviation(part());
   return result;
@@ -187,16 +211,19 @@ JointEstimate estimate_jointly(const SampledScan& scan, const JointOptions& opti
                                const Progress& progress) {
   if (const auto problem = options.problem()) throw InvalidInput(*problem);
   JointModel model(scan, options, progress);
-  Attempt first = attempt(scan, options, JointStart::Smooth, model, progress);
-  if (!options.robust || !ignores_much(first.estimate)) return first.estimate;
-  try {
-    model.reset();
-    Attempt second = attempt(scan, options, JointStart::Readings, model, progress);
-    if (second.cost < first.cost) return second.estimate;
-  } catch (const SolverFailure&) {
-    // The first stands.
+  Attempt best = attempt(scan, options, JointStart::Smooth, model, progress);
+  if (!options.robust) return best.estimate;
+  for (const JointStart start : {JointStart::Readings, JointStart::Trusting}) {
+    if (!ignores_much(best.estimate)) break;
+    try {
+      model.reset();
+      Attempt other = attempt(scan, options, start, model, progress);
+      if (other.cost < best.cost) best = std::move(other);
+    } catch (const SolverFailure&) {
+      // The best so far stands.
+    }
   }
-  return first.estimate;
+  return best.estimate;
 }
 
 }  // namespace batten

@@ -32,6 +32,10 @@ struct JointOptions {
   /// Standard deviation of the logarithm of the length factor of each curve where it is known beforehand
   /// (lengths that are only estimated); 0: found from the data.
   double scale_deviation = 0;
+  /// Lengths come from time stamps: how unevenly the hand goes, as the standard deviation of the change of
+  /// the log factor over a piece of one size, a random walk along each curve; 0: one factor per curve.
+  /// Needs a scale_deviation.
+  double speed_deviation = 0;
   /// The noise where it is known; found from the data where not.
   std::optional<NoiseModel> noise;
   /// Density of the noise of the gyroscope's turns, where the scan has any, rad/s/√Hz; nothing: found.
@@ -47,7 +51,8 @@ struct JointOptions {
 struct JointEstimate {
   SampledScan scan;                    ///< the frames; parameters multiplied by the length factors
   std::vector<Points> drift;           ///< per curve, n_samples × 3 rotation vectors in the world, radians
-  Eigen::VectorXd log_factors;         ///< per curve: true length = exp(·) × measured length, radians
+  Eigen::VectorXd log_factors;         ///< per curve: true length = exp(·) × measured length
+  Eigen::VectorXd speed_spread;        ///< per curve: root mean square of the log factor about its mean
   Eigen::VectorXd factor_deviation;    ///< their posterior standard deviations about the mean of all curves
   NoiseModel noise;                    ///< as found
   std::vector<Eigen::VectorXd> trust;  ///< per curve and sample: 1 kept … 0 ignored by the robust loss
@@ -56,6 +61,7 @@ struct JointEstimate {
   Points gyroscope_bias;               ///< per some seconds, in the axes of the frames, rad/s
   Eigen::Matrix3d gyroscope_matrix = Eigen::Matrix3d::Zero();  ///< M: true rate = (I + M)(reading − bias)
   double evidence = 0;     ///< −2 log marginal likelihood, up to a constant
+  double cost = 0;         ///< the same with what the samples cost that are not trusted: to compare estimates
   int iterations = 0;      ///< Gauss–Newton steps
   bool converged = false;  ///< the last of them was below 1e-6 radians, or within rounding
   int evaluations = 0;     ///< noise models tried

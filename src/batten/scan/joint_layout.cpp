@@ -1,16 +1,17 @@
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "batten/scan/joint_layout_detail.hpp"
 
 namespace batten {
 
-JointLayout::JointLayout(const SampledScan& scan, double size, const Progress& progress)
+JointLayout::JointLayout(const SampledScan& scan, double size, double knot_spacing, const Progress& progress)
     : n_curves(static_cast<int>(scan.curves.size())),
       vertices(number_vertices(scan)),
       frames(number_frames(scan)) {
   progress.report("ordering", 0);
-  number(scan, size);
+  number(scan, size, knot_spacing);
   pair_up(scan);
   find_segments(scan);
   turns.find(scan, frames, n_blocks);
@@ -27,14 +28,34 @@ JointLayout::JointLayout(const SampledScan& scan, double size, const Progress& p
   find_slots();
 }
 
-void JointLayout::number(const SampledScan& scan, double size) {
+void JointLayout::number(const SampledScan& scan, double size, double knot_spacing) {
+  const double all = scan.length();
+  first_knot.push_back(0);
   for (int c = 0; c < n_curves; ++c) {
     const SampledCurve& curve = scan.curves[c];
+    const double length = curve.length();
+    const int n_knots =
+        knot_spacing > 0 ? 1 + std::max(1, static_cast<int>(std::ceil(length / size / knot_spacing))) : 1;
+    const int first = first_knot.back();
+    first_knot.push_back(first + n_knots);
+    knot_share.resize(first_knot.back(), 0);
     first_sample.push_back(n_samples);
     first_step.push_back(static_cast<int>(steps.size()));
-    for (int k = 0; k + 1 < curve.n_samples(); ++k)
-      steps.push_back(
-          {frames.frames[c][k], frames.frames[c][k + 1], n_samples + k, curve.step(k) / size, {}});
+    for (int k = 0; k + 1 < curve.n_samples(); ++k) {
+      const double middle = 0.5 * (curve.parameters[k] + curve.parameters[k + 1]) - curve.parameters[0];
+      const double place = middle / length * (n_knots - 1);
+      const int knot = std::clamp(static_cast<int>(place), 0, std::max(0, n_knots - 2));
+      const double beyond = place - knot, share = curve.step(k) / all;
+      steps.push_back({frames.frames[c][k],
+                       frames.frames[c][k + 1],
+                       n_samples + k,
+                       curve.step(k) / size,
+                       first + knot,
+                       beyond,
+                       {}});
+      knot_share[first + knot] += (1 - beyond) * share;
+      if (n_knots > 1) knot_share[first + knot + 1] += beyond * share;
+    }
     n_samples += curve.n_samples();
     frame_of_sample.insert(frame_of_sample.end(), frames.frames[c].begin(), frames.frames[c].end());
   }
@@ -45,7 +66,7 @@ void JointLayout::number(const SampledScan& scan, double size) {
   drift_at = n_frames;
   node_at = drift_at + n_samples;
   scale_at = node_at + n_nodes;
-  mean_at = scale_at + n_curves;
+  mean_at = scale_at + n_knots();
   n_blocks = mean_at + 1;
 }
 
@@ -95,6 +116,9 @@ void JointLayout::find_segments(const SampledScan& scan) {
         s.end_step = first_step[c] + k;
         s.length = 0;
         for (int i = s.first_step; i < s.end_step; ++i) s.length += steps[i].length;
+        s.first_knot = steps[s.first_step].knot;
+        const int last_knot = std::min(steps[s.end_step - 1].knot + 1, first_knot[c + 1] - 1);
+        s.to_knots.resize(static_cast<size_t>(last_knot - s.first_knot + 1));
         s.from = vertices.vertices[c][last];
         s.to = vertices.vertices[c][k];
         s.multiplier = n_blocks++;
@@ -123,9 +147,14 @@ std::vector<std::pair<int, int>> JointLayout::joined(const Progress& progress) c
     }
     list.emplace_back(s.multiplier, node_at + s.from);
     list.emplace_back(s.multiplier, node_at + s.to);
-    list.emplace_back(s.multiplier, scale_at + s.curve);
+    for (int j = 0; j < static_cast<int>(s.to_knots.size()); ++j)
+      list.emplace_back(s.multiplier, scale_at + s.first_knot + j);
   }
-  for (int c = 0; c < n_curves; ++c) list.emplace_back(mean_at, scale_at + c);
+  for (int c = 0; c < n_curves; ++c)
+    for (int k = first_knot[c]; k < first_knot[c + 1]; ++k) {
+      list.emplace_back(mean_at, scale_at + k);
+      if (k + 1 < first_knot[c + 1]) list.emplace_back(scale_at + k, scale_at + k + 1);
+    }
   turns.join(list);
   // Many of them are named several times.
   progress.report("ordering", 0);
@@ -166,17 +195,21 @@ void JointLayout::find_slots() {
     s.own = system.slot(s.multiplier, s.multiplier);
     s.to_from = system.slot(s.multiplier, node_at + s.from);
     s.to_to = system.slot(s.multiplier, node_at + s.to);
-    s.to_scale = system.slot(s.multiplier, scale_at + s.curve);
+    for (int j = 0; j < static_cast<int>(s.to_knots.size()); ++j)
+      s.to_knots[j] = system.slot(s.multiplier, scale_at + s.first_knot + j);
     s.to_frames.push_back(system.slot(s.multiplier, steps[s.first_step].before));
     for (int k = s.first_step; k < s.end_step; ++k)
       s.to_frames.push_back(system.slot(s.multiplier, steps[k].after));
   }
   for (const auto& [a, b] : normals) normal_slot.push_back(system.slot(a, b));
   for (int v = 0; v < n_nodes; ++v) node_slot.push_back(system.slot(node_at + v, node_at + v));
-  for (int c = 0; c < n_curves; ++c) {
-    scale_slot.push_back(system.slot(scale_at + c, scale_at + c));
-    mean_slot.push_back(system.slot(mean_at, scale_at + c));
-  }
+  for (int c = 0; c < n_curves; ++c)
+    for (int k = first_knot[c]; k < first_knot[c + 1]; ++k) {
+      scale_slot.push_back(system.slot(scale_at + k, scale_at + k));
+      mean_slot.push_back(system.slot(mean_at, scale_at + k));
+      const bool is_last = k + 1 == first_knot[c + 1];
+      next_scale_slot.push_back(is_last ? FrameLdlt::Slot{} : system.slot(scale_at + k, scale_at + k + 1));
+    }
   mean_own = system.slot(mean_at, mean_at);
   turns.find_slots(system);
 }

@@ -3,9 +3,9 @@
 
 #include "batten/core/error.hpp"
 #include "batten/core/parallel.hpp"
-#include "batten/core/units.hpp"
 #include "batten/rotation/so3.hpp"
 #include "batten/scan/joint_model_detail.hpp"
+#include "batten/scan/rate_change_detail.hpp"
 
 namespace batten {
 
@@ -17,14 +17,11 @@ using Eigen::Vector3d;
 /// Relative slip of the odometer that no factor explains, as a random walk: 1e-4 sizes over one size. It also
 /// takes up the error of the steps between samples.
 constexpr double kSlip = 1e-4;
-/// Variance of the mean log factor: that of a length known to 10⁻⁵. The scale that all curves share is not
-/// observable, yet a network that shrinks as a whole closes ever better.
-constexpr double kMeanFactorVariance = 1e-10;
+/// Between the knots of a factor that changes along its curve, in sizes.
+constexpr double kKnotSpacing = 0.08;
 /// Precision of the move of a node in one step, per square of the size: it holds the place of the whole,
 /// which is free, and is far below what the curves say of a node.
 constexpr double kNodePrecision = 1e-2;
-/// Residuals of so many standard deviations keep their whole say, and all below one degree do.
-constexpr double kTrustedDeviations = 4, kTrustedAngle = radians(1.0);
 
 double inner(const Matrix3d& a, const Matrix3d& b) {
   return a.cwiseProduct(b).sum();
@@ -36,25 +33,31 @@ JointModel::JointModel(const SampledScan& scan, const JointOptions& options, con
     : scan_(scan),
       options_(options),
       prior_(options),
-      layout_(scan, options.size, progress),
+      layout_(scan, options.size, options.speed_deviation > 0 ? kKnotSpacing : 0, progress),
       turns_(layout_.turns, options.turn_density.value_or(kLeastTurnDensity)) {
   reset();
   data_.resize(layout_.n_samples);
   omega_.resize(layout_.steps.size());
+  rate_change_.assign(layout_.n_samples, Vector3d::Zero());
+  lag_ = rate_change_;
   omega_by_.resize(layout_.steps.size());
   gram_.resize(layout_.pairs.size());
   misfit_.resize(layout_.segments.size());
   reach_.resize(layout_.segments.size());
   misfit_by_.resize(layout_.segments.size());
-  for (size_t s = 0; s < misfit_by_.size(); ++s) misfit_by_[s].resize(layout_.segments[s].to_frames.size());
+  for (size_t s = 0; s < misfit_by_.size(); ++s) {
+    misfit_by_[s].resize(layout_.segments[s].to_frames.size());
+    reach_[s].resize(layout_.segments[s].to_knots.size());
+  }
 }
 
 void JointModel::reset() {
   state_.X.assign(layout_.n_frames, Matrix3d::Identity());
   state_.drift.setZero(layout_.n_samples, 3);
   state_.nodes.setZero(layout_.n_nodes, 3);
-  state_.log_factors.setZero(layout_.n_curves);
+  state_.log_factors.setZero(layout_.n_knots());
   state_.trust.setOnes(layout_.n_samples);
+  std::fill(lag_.begin(), lag_.end(), Vector3d::Zero());
   turns_.reset();
 }
 
@@ -65,14 +68,15 @@ void JointModel::set_normal_deviation(double white) {
 Vector3d JointModel::reading_residual(int curve, int k) const {
   const int i = layout_.first_sample[curve] + k;
   const Matrix3d& X = state_.X[layout_.frame_of_sample[i]];
-  return so3_log(scan_.curves[curve].frames[k] * X.transpose()) - state_.drift.row(i).transpose();
+  return so3_log(scan_.curves[curve].frames[k] * so3_exp(-lag_[i]) * X.transpose()) -
+         state_.drift.row(i).transpose();
 }
 
-void JointModel::linearize(const Progress& progress) {
+void JointModel::linearize(const Progress& progress, bool follow) {
   parallel_for(
       layout_.n_curves, 1,
       [&](Eigen::Index begin, Eigen::Index end) {
-        for (Eigen::Index c = begin; c < end; ++c) linearize_curve(static_cast<int>(c));
+        for (Eigen::Index c = begin; c < end; ++c) linearize_curve(static_cast<int>(c), follow);
       },
       progress);
   turns_.linearize(state_.X);
@@ -80,8 +84,33 @@ void JointModel::linearize(const Progress& progress) {
   for (const Datum& d : data_) n_data_ += d.readings > 0 ? 1 : 0;
 }
 
-void JointModel::linearize_curve(int c) {
+/// Rates of turn, their derivatives, and what comes of their changes.
+void JointModel::find_rates(int c, bool follow) {
   const SampledCurve& curve = scan_.curves[c];
+  std::vector<Vector3d> omega;
+  std::vector<double> lengths;
+  for (int s = layout_.first_step[c]; s < layout_.first_step[c + 1]; ++s) {
+    const JointStep& step = layout_.steps[s];
+    const Matrix3d &X = state_.X[step.before], &Y = state_.X[step.after];
+    const Vector3d u = so3_log(X.transpose() * Y);
+    omega_[s] = u / step.length;
+    // log(Xᵀ exp(η' − η) Y) ≈ u + J_r⁻¹(u) Yᵀ (η' − η)
+    omega_by_[s] = so3_right_jacobian_inverse(u) * Y.transpose() / step.length;
+    omega.push_back(omega_[s]);
+    lengths.push_back(step.length);
+  }
+  if (!follow) return;
+  const std::vector<Vector3d> changes = rate_changes(omega, lengths, curve.smooth_seam);
+  for (int k = 0; k < curve.n_samples(); ++k) {
+    const int i = layout_.first_sample[c] + k;
+    rate_change_[i] = changes[k];
+    if (curve.lag.size() > 0) lag_[i] = curve.lag[k] / (options_.size * options_.size) * changes[k];
+  }
+}
+
+void JointModel::linearize_curve(int c, bool follow) {
+  const SampledCurve& curve = scan_.curves[c];
+  find_rates(c, follow);
   for (int k = 0; k < curve.n_samples(); ++k) {
     const int i = layout_.first_sample[c] + k;
     Datum& d = data_[i];
@@ -92,34 +121,31 @@ void JointModel::linearize_curve(int c) {
     d.J = so3_right_jacobian_inverse(d.residual + drift);
   }
   const auto frame = [&](int f) -> const Matrix3d& { return state_.X[f]; };
-  for (int s = layout_.first_step[c]; s < layout_.first_step[c + 1]; ++s) {
-    const JointStep& step = layout_.steps[s];
-    const Matrix3d &X = frame(step.before), &Y = frame(step.after);
-    const Vector3d u = so3_log(X.transpose() * Y);
-    omega_[s] = u / step.length;
-    // log(Xᵀ exp(η' − η) Y) ≈ u + J_r⁻¹(u) Yᵀ (η' − η)
-    omega_by_[s] = so3_right_jacobian_inverse(u) * Y.transpose() / step.length;
-  }
   for (int p = layout_.first_pair[c]; p < layout_.first_pair[c + 1]; ++p)
     gram_[p] = omega_by_[layout_.pairs[p].k].transpose() * omega_by_[layout_.pairs[p].l];
-  const double factor = std::exp(state_.log_factors[c]);
   for (int i = layout_.first_segment[c]; i < layout_.first_segment[c + 1]; ++i) {
     const JointSegment& segment = layout_.segments[i];
     Vector3d sum = Vector3d::Zero();
     std::vector<Matrix3d>& by = misfit_by_[i];
+    std::vector<Vector3d>& reach = reach_[i];
+    std::fill(reach.begin(), reach.end(), Vector3d::Zero());
     std::fill(by.begin(), by.end(), Matrix3d::Zero());
     for (int s = segment.first_step; s < segment.end_step; ++s) {
       const JointStep& step = layout_.steps[s];
-      const double h = factor * step.length;
+      const double factor = std::exp(log_factor(step)), h = factor * step.length;
       const Matrix3d &X = frame(step.before), &Y = frame(step.after);
       const Vector3d u = omega_[s] * step.length;
-      sum += h * (X * so3_right_jacobian(-u).col(0));
+      Vector3d whole = h * (X * so3_right_jacobian(-u).col(0));
+      const Vector3d change = 0.5 * (rate_change_[step.sample_before] + rate_change_[step.sample_before + 1]);
+      whole += factor * step_of_rate_change(X, u, step.length, change);
+      sum += whole;
+      reach[step.knot - segment.first_knot] += (1 - step.beyond) * whole;
+      if (step.beyond > 0) reach[step.knot + 1 - segment.first_knot] += step.beyond * whole;
       // The tangent at u is turned by (1 − u) η + u η'; Simpson's rule over the step gives the derivative.
       const Vector3d t0 = h * X.col(0), t1 = h * Y.col(0), tm = h * (X * so3_exp(0.5 * u)).col(0);
       by[s - segment.first_step] += hat(t0 + 2 * tm) / 6;
       by[s - segment.first_step + 1] += hat(2 * tm + t1) / 6;
     }
-    reach_[i] = sum;
     misfit_[i] = (state_.nodes.row(segment.to) - state_.nodes.row(segment.from)).transpose() - sum;
   }
 }
@@ -200,14 +226,16 @@ void JointModel::assemble_curve(int c, const Weights& w) {
     K.add(segment.to_to, Matrix3d::Identity());
     K.add(segment.to_from, -Matrix3d::Identity());
     Matrix3d by_factor = Matrix3d::Zero();
-    by_factor.col(0) = -reach_[i];
-    K.add(segment.to_scale, by_factor);
+    for (size_t j = 0; j < reach_[i].size(); ++j) {
+      by_factor.col(0) = -reach_[i][j];
+      K.add(segment.to_knots[j], by_factor);
+    }
     for (size_t j = 0; j < misfit_by_[i].size(); ++j) K.add(segment.to_frames[j], misfit_by_[i][j]);
     right(segment.multiplier) = -misfit_[i];
   }
 }
 
-void JointModel::assemble_nodes(const Weights& w) {
+void JointModel::assemble_nodes() {
   FrameLdlt& K = layout_.system;
   const auto right = [&](int block) { return right_.segment<3>(3 * block); };
   for (size_t i = 0; i < layout_.normals.size(); ++i) {
@@ -221,21 +249,6 @@ void JointModel::assemble_nodes(const Weights& w) {
     right(g) -= normal_precision_ * (B.transpose() * r);
   }
   for (const FrameLdlt::Slot slot : layout_.node_slot) K.add(slot, kNodePrecision * Matrix3d::Identity());
-  double length = 0;
-  for (const JointStep& s : layout_.steps) length += s.length;
-  Matrix3d mean = Matrix3d::Zero(), own = -Matrix3d::Identity();
-  own(0, 0) = -kMeanFactorVariance;
-  K.add(layout_.mean_own, own);
-  for (int c = 0; c < layout_.n_curves; ++c) {
-    double share = 0;
-    for (int s = layout_.first_step[c]; s < layout_.first_step[c + 1]; ++s)
-      share += layout_.steps[s].length / length;
-    mean(0, 0) = share;
-    K.add(layout_.mean_slot[c], mean);
-    K.add(layout_.scale_slot[c], Vector3d(w.scale, 1, 1).asDiagonal().toDenseMatrix());
-    right(layout_.scale_at + c)[0] = -w.scale * state_.log_factors[c];
-    right(layout_.mean_at)[0] -= share * state_.log_factors[c];
-  }
 }
 
 void JointModel::assemble(const Weights& weights, const Progress& progress) {
@@ -247,7 +260,8 @@ void JointModel::assemble(const Weights& weights, const Progress& progress) {
         for (Eigen::Index c = begin; c < end; ++c) assemble_curve(static_cast<int>(c), weights);
       },
       progress);
-  assemble_nodes(weights);
+  assemble_nodes();
+  assemble_factors(weights);
   turns_.assemble(layout_.system, right_);
 }
 
@@ -337,7 +351,7 @@ JointModel::Moments JointModel::sum_over_curves(const OfCurve& of_curve) const {
 /// factor, gyroscope.
 double JointModel::constraint_energy(const Eigen::VectorXd& delta) const {
   const auto by = [&](int block) { return delta.segment<3>(3 * block); };
-  double sum = kMeanFactorVariance * by(layout_.mean_at).squaredNorm();
+  double sum = 0;
   for (const auto& [f, g] : layout_.normals) {
     const Vector3d a = state_.X[f].col(1), b = state_.X[g].col(1);
     sum += normal_precision_ * (a - b + by(f).cross(a) - by(g).cross(b)).squaredNorm();
@@ -383,19 +397,15 @@ NoiseEvaluation JointModel::evaluate(const NoiseModel& noise, bool with_slope, c
   progress.report("working", 0.5);
   const Moments squares = sum_over_curves([&](int c) { return squares_of_curve(c, w, result.step); });
   double factors = 0;
-  for (int c = 0; c < layout_.n_curves; ++c) {
-    const double e = state_.log_factors[c] + result.step[3 * (layout_.scale_at + c)];
-    factors += e * e;
-  }
+  const double of_factors = factor_energy(w, result.step, factors);
   std::array<double, 3> shape_traces{};
   const double shape = log_determinant_of_shape(w, with_slope, shape_traces, progress);
   double innovations = -layout_.n_curves * std::log(w.drift);
   for (const double p : w.drift_precision) innovations -= std::log(p);
   const NoisePrior::Coordinates u = prior_.coordinates(noise);
-  result.evidence = w.white * squares.white + squares.drift + w.scale * factors +
-                    constraint_energy(result.step) + layout_.system.log_determinant() -
-                    3.0 * n_data_ * std::log(w.white) - layout_.n_curves * std::log(w.scale) +
-                    3 * innovations - 3 * shape + prior_(u);
+  result.evidence = w.white * squares.white + squares.drift + of_factors + constraint_energy(result.step) +
+                    layout_.system.log_determinant() - 3.0 * n_data_ * std::log(w.white) + 3 * innovations -
+                    3 * shape + prior_(u);
   for (int g = 0; g < 3; ++g) result.evidence += w.shape[g] * squares.shape[g];
   if (!std::isfinite(result.evidence))
     throw SolverFailure("joint estimate of frames and positions", 3L * layout_.n_blocks);
@@ -442,56 +452,8 @@ double JointModel::apply(const Eigen::VectorXd& step) {
     state_.drift.row(i) += step.segment<3>(3 * (layout_.drift_at + i)).transpose();
   for (int v = 0; v < layout_.n_nodes; ++v)
     state_.nodes.row(v) += step.segment<3>(3 * (layout_.node_at + v)).transpose();
-  for (int c = 0; c < layout_.n_curves; ++c) state_.log_factors[c] += step[3 * (layout_.scale_at + c)];
+  for (int k = 0; k < layout_.n_knots(); ++k) state_.log_factors[k] += step[3 * (layout_.scale_at + k)];
   return largest;
-}
-
-double JointModel::trusted_angle(int curve, int k, double white) const {
-  const double readings = std::max(scan_.curves[curve].weights[k], 1.0);
-  return std::max(kTrustedDeviations * white / std::sqrt(readings), kTrustedAngle);
-}
-
-double JointModel::distrust_cost(double white) const {
-  // The weight of the loss is t = (L²/r²)² beyond L, so that the loss is 2L² − L⁴/r²; t r² = L⁴/r² is
-  // counted.
-  double cost = 0;
-  for (int c = 0; c < layout_.n_curves; ++c)
-    for (int k = 0; k < scan_.curves[c].n_samples(); ++k) {
-      const double limit = trusted_angle(c, k, white);
-      const double trust = state_.trust[layout_.first_sample[c] + k];
-      cost += std::max(scan_.curves[c].weights[k], 0.0) * 2 * limit * limit * (1 - std::sqrt(trust));
-    }
-  return cost / (white * white);
-}
-
-void JointModel::update_trust(double white) {
-  for (int c = 0; c < layout_.n_curves; ++c) {
-    for (int k = 0; k < scan_.curves[c].n_samples(); ++k) {
-      const double limit = trusted_angle(c, k, white);
-      const double ratio = limit * limit / std::max(reading_residual(c, k).squaredNorm(), 1e-300);
-      state_.trust[layout_.first_sample[c] + k] = ratio >= 1 ? 1 : ratio * ratio;
-    }
-  }
-}
-
-Eigen::VectorXd JointModel::factor_deviation(const Progress& progress) {
-  const int n = layout_.n_curves;
-  std::vector<int> blocks(n);
-  for (int c = 0; c < n; ++c) blocks[c] = layout_.scale_at + c;
-  layout_.system.invert(blocks, progress);
-  progress.report("working", 0.5);
-  // About the mean: Var(e_c − m) = Var(e_c) − 2 Cov(e_c, m) + Var(m).
-  Eigen::VectorXd mean = Eigen::VectorXd::Zero(3L * layout_.n_blocks);
-  for (const int block : blocks) mean[3 * block] = 1.0 / n;
-  const Eigen::VectorXd with_mean = layout_.system.solve(mean);
-  progress.report("working", 0.5);
-  const double of_mean = mean.dot(with_mean);
-  Eigen::VectorXd deviations(n);
-  for (int c = 0; c < n; ++c) {
-    const double own = layout_.system.inverse(layout_.scale_slot[c])(0, 0);
-    deviations[c] = std::sqrt(std::max(0.0, own - 2 * with_mean[3 * blocks[c]] + of_mean));
-  }
-  return deviations;
 }
 
 }  // namespace batten

@@ -14,7 +14,7 @@ struct JointState {
   std::vector<Eigen::Matrix3d> X;  ///< frames
   Points drift;                    ///< per sample, rotation vectors, radians
   Points nodes;                    ///< positions of the nodes, in sizes
-  Eigen::VectorXd log_factors;     ///< per curve
+  Eigen::VectorXd log_factors;     ///< of lengths, per knot of the layout: one per curve, or more
   Eigen::VectorXd trust;           ///< per sample, of the robust loss
 };
 
@@ -45,8 +45,9 @@ class JointModel {
 
   /// The deviation of normals at a node, from the noise of the readings that it starts with.
   void set_normal_deviation(double white);
-  /// Residuals and derivatives at the present state.
-  void linearize(const Progress& progress);
+  /// Residuals and derivatives at the present state. @param follow the changes of the rates of turn as well;
+  /// otherwise those of the last time stay.
+  void linearize(const Progress& progress, bool follow = true);
   /// @throws SolverFailure, Cancelled.
   NoiseEvaluation evaluate(const NoiseModel& noise, bool with_slope, const Progress& progress);
   /// Moves the state. @return the largest turn of a frame, radians.
@@ -60,7 +61,12 @@ class JointModel {
   double distrust_cost(double white) const;
   JointTurns& turns() { return turns_; }
   const JointTurns& turns() const { return turns_; }
-  /// Posterior deviations of the factors about their mean. @pre evaluate() has succeeded.
+  /// The log factor of a step: straight between the knots.
+  double log_factor(const JointStep& step) const {
+    const double here = state_.log_factors[step.knot];
+    return step.beyond > 0 ? here + step.beyond * (state_.log_factors[step.knot + 1] - here) : here;
+  }
+  /// Posterior deviations of the factors of the curves about their mean. @pre evaluate() has succeeded.
   Eigen::VectorXd factor_deviation(const Progress& progress);
 
  private:
@@ -88,7 +94,13 @@ class JointModel {
   Weights weights_of_noise(const NoiseModel& noise) const;
   void assemble(const Weights& weights, const Progress& progress);
   void assemble_curve(int c, const Weights& weights);
-  void assemble_nodes(const Weights& weights);
+  void assemble_nodes();
+  void assemble_factors(const Weights& weights);
+  /// What the log factors add to −2 log likelihood at the optimum, and the mean of their squares at both ends
+  /// of each curve, summed: what stands behind NoiseModel::scale.
+  double factor_energy(const Weights& weights, const Eigen::VectorXd& delta, double& squares) const;
+  /// Precision of the change of the log factor from a knot of the curve to the next.
+  double chain_precision(int curve) const;
   void add_drift_step(int s, const Weights& weights, double s00, double s01, double s11, Moments& m) const;
   Moments squares_of_curve(int c, const Weights& weights, const Eigen::VectorXd& delta) const;
   Moments traces_of_curve(int c, const Weights& weights) const;
@@ -99,7 +111,8 @@ class JointModel {
                                   const Progress& progress);
   double trusted_angle(int curve, int k, double white) const;
   Eigen::Vector3d reading_residual(int curve, int k) const;
-  void linearize_curve(int c);
+  void find_rates(int c, bool follow);
+  void linearize_curve(int c, bool follow);
   void add_pair(const StepPair& pair, const Eigen::Matrix3d& block);
 
   const SampledScan& scan_;
@@ -110,12 +123,15 @@ class JointModel {
   JointTurns turns_;
   double normal_precision_ = 0;
 
-  std::vector<Datum> data_;                ///< per sample
-  std::vector<Eigen::Vector3d> omega_;     ///< per step, rate of turn
+  std::vector<Datum> data_;             ///< per sample
+  std::vector<Eigen::Vector3d> omega_;  ///< per step, rate of turn
+  /// Per sample, from the frames of the last linearisation: its change, and the turn that the pre-filter
+  /// makes of it. Both are small and hardly move from step to step, so that they have no derivatives.
+  std::vector<Eigen::Vector3d> rate_change_, lag_;
   std::vector<Eigen::Matrix3d> omega_by_;  ///< its derivative by the turn of the frame after less that before
   std::vector<Eigen::Matrix3d> gram_;      ///< per pair of steps
   std::vector<Eigen::Vector3d> misfit_;    ///< per segment
-  std::vector<Eigen::Vector3d> reach_;     ///< per segment, the sum of its steps
+  std::vector<std::vector<Eigen::Vector3d>> reach_;  ///< per segment and knot, its share of the sum of steps
   std::vector<std::vector<Eigen::Matrix3d>> misfit_by_;  ///< per segment and frame
   Eigen::VectorXd right_;
   int n_data_ = 0;

@@ -24,6 +24,9 @@ std::optional<std::string> JointOptions::problem() const {
   if (!(size > 0) || !std::isfinite(size)) return concat("size must be > 0, got ", size);
   if (negative(reading_noise)) return concat("reading_noise must be >= 0, got ", reading_noise);
   if (negative(scale_deviation)) return concat("scale_deviation must be >= 0, got ", scale_deviation);
+  if (negative(speed_deviation)) return concat("speed_deviation must be >= 0, got ", speed_deviation);
+  if (speed_deviation > 0 && !(scale_deviation > 0))
+    return concat("speed_deviation needs a scale_deviation, got ", scale_deviation);
   if (negative(xi)) return concat("xi must be >= 0, got ", xi);
   if (noise)
     if (const auto wrong = noise->problem()) return "noise." + *wrong;

@@ -9,7 +9,9 @@
 #include "batten/rotation/so3.hpp"
 #include "batten/scan/integration.hpp"
 #include "batten/scan/joint_turns_detail.hpp"
+#include "batten/scan/length_model_detail.hpp"
 #include "batten/scan/prefilter.hpp"
+#include "batten/scan/rate_change_detail.hpp"
 #include "batten/scan/weights.hpp"
 
 namespace batten {
@@ -21,8 +23,6 @@ namespace {
 /// the search solves some fifty systems.
 constexpr int kSearchSamples = 400;
 constexpr double kSearchStep = 0.032;
-/// Curves whose lengths are only estimated: the deviation of the logarithm of their factors.
-constexpr double kEstimatedLengths = 0.15;
 
 /// The distance between readings on average, for "none".
 double mean_step(const SampledScan& scan) {
@@ -60,6 +60,11 @@ Integration integration_of(IntegrationScheme scheme) {
   return scheme == IntegrationScheme::Thesis
              ? Integration{StepRule::Tangent, ClosureForm::SecondDifference}
              : Integration{StepRule::ConstantRate, ClosureForm::FirstDifference};
+}
+
+std::vector<Points> network_steps(const SampledScan& frames, IntegrationScheme scheme) {
+  return scheme == IntegrationScheme::Thesis ? frame_steps(frames, StepRule::Tangent)
+                                             : fourth_order_steps(frames);
 }
 
 ScanGyroscope gyroscope_of(const JointEstimate& estimate) {
@@ -101,8 +106,8 @@ SampledScan jointly(const Scan& scan, const std::vector<CleanCurve>& clean, cons
   joint.reading_noise = report.reading_noise;
   joint.xi = options.xi;
   joint.robust = options.robust;
-  if (options.lengths == LengthChoice::Estimated) joint.scale_deviation = kEstimatedLengths;
-  if (samples.n_samples() > kSearchSamples) {
+  const bool is_estimated = options.lengths == LengthChoice::Estimated;
+  if (is_estimated || samples.n_samples() > kSearchSamples) {
     PrefilterOptions coarse = sampling;
     const double step = sampling.step > 0 ? sampling.step : mean_step(samples);
     const double thinning = static_cast<double>(samples.n_samples()) / kSearchSamples;
@@ -112,7 +117,16 @@ SampledScan jointly(const Scan& scan, const std::vector<CleanCurve>& clean, cons
     coarse.sigma *= share;
     SampledScan fewer = resample(scan, clean, coarse, progress);
     for (SampledCurve& curve : fewer.curves) curve.weights *= share;
-    const JointEstimate search = estimate_with_turns(fewer, joint, report, progress);
+    JointEstimate search;
+    if (is_estimated) {
+      LengthModel lengths = choose_length_model(fewer, joint, progress);
+      joint.scale_deviation = lengths.scale_deviation;
+      joint.speed_deviation = lengths.speed_deviation;
+      report.lengths = lengths.words;
+      search = std::move(lengths.estimate);
+    } else {
+      search = estimate_with_turns(fewer, joint, report, progress);
+    }
     joint.noise = search.noise;
     joint.turn_density = search.turn_density;
     if (!search.has_turns) leave_out_turns(samples);
@@ -137,6 +151,7 @@ SampledScan jointly(const Scan& scan, const std::vector<CleanCurve>& clean, cons
   for (size_t c = 0; c < samples.curves.size(); ++c) {
     report.factors.push_back(std::exp(estimate.log_factors[static_cast<Eigen::Index>(c)]));
     report.factor_deviations.push_back(estimate.factor_deviation[static_cast<Eigen::Index>(c)]);
+    report.speed_spread.push_back(estimate.speed_spread[static_cast<Eigen::Index>(c)]);
   }
   report.distrusted = distrusted_shares(estimate.trust);
   return estimate.scan;
@@ -263,6 +278,9 @@ std::optional<std::string> ScanOptions::problem() const {
 
 namespace {
 
+/// Variations of the speed along a curve, root mean square, of which it is told.
+constexpr double kUnevenSpeed = 0.05;
+
 void warn_of_curves(const Scan& scan, ScanReport& report) {
   for (int c = 0; c < report.n_curves; ++c) {
     const double share =
@@ -271,6 +289,10 @@ void warn_of_curves(const Scan& scan, ScanReport& report) {
       report.warnings.push_back(concat(curve_label(scan, c), ": ", report.outliers[c], " of ",
                                        scan.curves[c].n_readings(),
                                        " readings were outliers; record it again"));
+    if (!report.speed_spread.empty() && report.speed_spread[c] > kUnevenSpeed)
+      report.warnings.push_back(concat(curve_label(scan, c), ": drawn with a speed that varies by ",
+                                       100 * report.speed_spread[c],
+                                       " % along it; closure told so much and no more, draw it evenly"));
     if (report.distrusted[c] > 0.03)
       report.warnings.push_back(concat(curve_label(scan, c), ": ", 100 * report.distrusted[c],
                                        " % of its samples contradict the rest and were ignored (a magnetic "
@@ -408,6 +430,7 @@ void ReconstructionSolver::regress(const Readings& readings, const PrefilterOpti
   report.distrusted = distrusted_shares(done.trust);
   report.factors.assign(kept.samples.curves.size(), 1.0);
   last_ = Last{result.samples, done.robust_scale};
+  if (options.scheme == IntegrationScheme::Midpoint) remove_lag(result.samples);
 }
 
 ScanNetwork ReconstructionSolver::reconstruct(const ScanOptions& options, bool moving,
@@ -432,7 +455,7 @@ ScanNetwork ReconstructionSolver::reconstruct(const ScanOptions& options, bool m
   if (options.step && prefilter.step > 0.5 * report.size)
     throw InvalidInput(concat("the step ", prefilter.step, " is more than half the size of the scan, ",
                               report.size, "; take a smaller one"));
-  const auto [rule, form] = integration_of(options.scheme);
+  const ClosureForm form = integration_of(options.scheme).form;
   // Drawn curves: the chords close exactly, so there is no noise to take off them; only the normals at nodes
   // are made to agree. At their own samples the chords are the steps.
   const bool exact = report.convention.convention == TangentConvention::ToNext &&
@@ -451,7 +474,8 @@ ScanNetwork ReconstructionSolver::reconstruct(const ScanOptions& options, bool m
     const ScopedStage stage(report.times, "integration");
     progress.report("integration", 0);
     const IntegrationResult placed = integrate_steps(
-        result.samples, exact_chords ? chord_steps(scan_) : frame_steps(result.samples, rule), form);
+        result.samples, exact_chords ? chord_steps(scan_) : network_steps(result.samples, options.scheme),
+        form);
     report.closure_misfit = placed.closure_misfit;
     result.network = assemble(scan, result.samples, placed.positions);
   }

@@ -35,7 +35,7 @@ constexpr auto choices_of(WeightChoice) {
 
 /// How positions are integrated.
 enum class IntegrationScheme {
-  Midpoint,  ///< turning frames (StepRule::ConstantRate), first-difference form: second order, O(N)
+  Midpoint,  ///< turning frames (fourth_order_steps()), first-difference form, O(N)
   Thesis,    ///< S (3.32): tangents at the samples, second-difference form: first order
 };
 constexpr auto choices_of(IntegrationScheme) {
@@ -45,8 +45,9 @@ constexpr auto choices_of(IntegrationScheme) {
 
 /// What the distances of the readings are worth.
 enum class LengthChoice {
-  Measured,   ///< right up to the error of an odometer
-  Estimated,  ///< each curve's right up to one unknown factor: the factors are found from closure
+  Measured,  ///< right up to the error of an odometer
+  /// From time stamps: right up to a factor for each curve, or one that changes along it, found from closure.
+  Estimated,
 };
 constexpr auto choices_of(LengthChoice) {
   return choices<LengthChoice>(
@@ -96,6 +97,8 @@ struct ScanReport {
   std::optional<ScanGyroscope> gyroscope;  ///< the same, where the scan has the turns of one
   std::vector<double> factors;             ///< per curve: length used over length measured
   std::vector<double> factor_deviations;   ///< their standard deviations; empty without the joint estimate
+  std::vector<double> speed_spread;        ///< per curve: variation of the factor along it, root mean square
+  std::string lengths;                     ///< with LengthChoice::Estimated: what they turned out to be
   std::vector<std::string> undetermined;   ///< ratios of lengths that closure leaves open, in words
   double closure_misfit_before = 0;        ///< root mean square over segments, unfiltered
   double closure_misfit = 0;               ///< with the frames and lengths found

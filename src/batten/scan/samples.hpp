@@ -19,8 +19,11 @@ struct SampledCurve {
   Eigen::VectorXd parameters;           ///< n, arc length from the start, increasing, in the unit of the scan
   std::vector<Eigen::Matrix3d> frames;  ///< n Darboux frames [t N B]
   Eigen::VectorXd weights;              ///< n, the number of readings that each sample stands for, ≥ 0
-  std::vector<int> node_samples;        ///< samples that lie at nodes, increasing
-  std::vector<int> node_ids;            ///< their global numbers
+  /// n, or empty: what the pre-filter does to the frames beside averaging. Where the rate of turn changes by
+  /// ω' along the curve, a frame is that of the curve turned by lag · ω' in its axes; square of the unit.
+  Eigen::VectorXd lag;
+  std::vector<int> node_samples;  ///< samples that lie at nodes, increasing
+  std::vector<int> node_ids;      ///< their global numbers
   /// Of a device with a gyroscope, else empty: n × 3, rotation vectors from the sample before in the axes of
   /// the frame, with the bias; NaN where unknown. The first leads from the last sample of the curve before.
   Points turns;

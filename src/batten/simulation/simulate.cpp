@@ -1,6 +1,7 @@
 #include "batten/simulation/simulate.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -27,7 +28,8 @@ enum Stream : std::uint64_t {
   kCurveLength,
   kOutlierChoice,
   kOutlierFrame,
-  kDisturbance
+  kDisturbance,
+  kSpeed
 };
 
 struct Streams {
@@ -38,8 +40,9 @@ struct Streams {
         odometer(seed, kOdometer),
         curve_length(seed, kCurveLength),
         outlier_choice(seed, kOutlierChoice),
-        outlier_frame(seed, kOutlierFrame) {}
-  Random jitter, white, drift, odometer, curve_length, outlier_choice, outlier_frame;
+        outlier_frame(seed, kOutlierFrame),
+        speed(seed, kSpeed) {}
+  Random jitter, white, drift, odometer, curve_length, outlier_choice, outlier_frame, speed;
 };
 
 /// Uniform over all rotations: a normal vector of four numbers has no preferred direction.
@@ -85,6 +88,45 @@ double bump(double x) {
   return std::abs(x) < 1 ? 0.5 * (1 + std::cos(kPi * x)) : 0.0;
 }
 
+/// What an uneven hand makes of distances that come from time stamps: the time to get so far along a curve,
+/// scaled so that the whole takes as long as the curve is.
+class HandTime {
+ public:
+  HandTime(double length, double variation, Random& random) : length_(length) {
+    constexpr int kPieces = 1024;
+    std::array<double, 3> heights{}, phases{};
+    for (size_t k = 0; k < heights.size(); ++k) {
+      heights[k] = random.normal();
+      phases[k] = random.uniform(-kPi, kPi);
+    }
+    std::vector<double> speeds;
+    double most = 0;
+    for (int i = 0; i <= kPieces; ++i) {
+      double speed = 0;
+      for (size_t k = 0; k < heights.size(); ++k)
+        speed += heights[k] *
+                 std::cos(kPi * static_cast<double>((k + 1) * static_cast<size_t>(i)) / kPieces + phases[k]);
+      speeds.push_back(speed);
+      most = std::max(most, std::abs(speed));
+    }
+    const auto slowness = [&](int i) { return 1 / (1 + variation * speeds[static_cast<size_t>(i)] / most); };
+    times_.push_back(0);
+    for (int i = 0; i < kPieces; ++i) times_.push_back(times_.back() + slowness(i) + slowness(i + 1));
+  }
+
+  double at(double distance) const {
+    const double pieces = static_cast<double>(times_.size() - 1);
+    const double place = std::clamp(distance / length_, 0.0, 1.0) * pieces;
+    const auto i = static_cast<size_t>(std::min(place, pieces - 1));
+    const double u = place - static_cast<double>(i);
+    return length_ * ((1 - u) * times_[i] + u * times_[i + 1]) / times_.back();
+  }
+
+ private:
+  double length_;
+  std::vector<double> times_;
+};
+
 /// A device that goes along the curves of an object one after the other.
 class ScanningDevice {
  public:
@@ -129,6 +171,9 @@ class ScanningDevice {
       throw InvalidInput("odometer_error is so large that a curve has no length; make it smaller");
     report_.distance_factors.push_back(factor);
 
+    std::optional<HandTime> hand;
+    if (options_.speed_variation > 0)
+      hand.emplace(curve.path->length(), options_.speed_variation, random_.speed);
     const auto n = static_cast<Eigen::Index>(distances.size());
     out.distances.resize(n);
     out.tangents.resize(n, 3);
@@ -142,7 +187,7 @@ class ScanningDevice {
       const double memory =
           i == 0 ? 0 : std::exp(-(s - distances[static_cast<size_t>(i) - 1]) / correlation_length_);
       const Matrix3d measured = reading(frames.back(), memory, disturbance(c, s));
-      out.distances[i] = factor * s;
+      out.distances[i] = factor * (hand ? hand->at(s) : s);
       out.tangents.row(i) = measured.col(0);
       out.normals.row(i) = measured.col(1);
     }
@@ -208,6 +253,8 @@ std::optional<std::string> SimulateOptions::problem() const {
     return outside("odometer_error", odometer_error, "lie in [0, 0.2]");
   if (!(curve_length_error >= 0 && curve_length_error < 1))
     return outside("curve_length_error", curve_length_error, "lie in [0, 1)");
+  if (!(speed_variation >= 0 && speed_variation <= 0.9))
+    return outside("speed_variation", speed_variation, "lie in [0, 0.9]");
   if (!(outliers >= 0 && outliers <= 1)) return outside("outliers", outliers, "lie in [0, 1]");
   if (!(std::abs(disturbance) <= kPi)) return outside("disturbance", disturbance, "lie in [-pi, pi] radians");
   if (!(disturbance_extent > 0 && disturbance_extent <= 1))

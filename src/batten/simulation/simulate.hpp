@@ -29,6 +29,9 @@ struct SimulateOptions {
   double odometer_error = 0;
   /// All distances of a curve are multiplied by 1 + U(−this, this); [0, 1).
   double curve_length_error = 0;
+  /// Distances come from time stamps, and the hand goes up to this part slower and faster along each curve,
+  /// smoothly, in about three waves at most; times are scaled to the length of the curve. [0, 0.9].
+  double speed_variation = 0;
   /// The fraction of readings that get a random orientation; [0, 1].
   double outliers = 0;
   /// A magnetic disturbance turns the heading of one curve about the vertical by up to this angle, radians,
