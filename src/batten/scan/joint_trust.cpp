@@ -35,6 +35,8 @@ double JointModel::distrust_cost(double white) const {
 void JointModel::update_trust(double white) {
   for (int c = 0; c < layout_.n_curves; ++c) {
     for (int k = 0; k < scan_.curves[c].n_samples(); ++k) {
+      // What lies between readings has no data to be wrong.
+      if (!(scan_.curves[c].weights[k] > 0)) continue;
       const double limit = trusted_angle(c, k, white);
       const double ratio = limit * limit / std::max(reading_residual(c, k).squaredNorm(), 1e-300);
       state_.trust[layout_.first_sample[c] + k] = ratio >= 1 ? 1 : ratio * ratio;
