@@ -2,6 +2,7 @@
 #include "network_arguments.hpp"
 
 #include <memory>
+#include <optional>
 
 namespace batten::cli {
 
@@ -14,8 +15,8 @@ void add_network(CLI::App& app) {
         Outcome outcome;
         const ScanOptions options = scan_options(*arguments);
         check_network_output(*arguments);
-        const Scan scan = read_network_scan(*arguments, outcome);
-        report_network(*arguments, network_from_scan(scan, options, context.progress), outcome);
+        const std::optional<Scan> scan = read_network_scan(*arguments, context.progress, outcome);
+        if (scan) report_network(*arguments, network_from_scan(*scan, options, context.progress), outcome);
         return outcome;
       });
   command->add_option("-o,--output", arguments->output, "Network to write: .net, .obj or .json")->required();

@@ -4,6 +4,7 @@
 #include "surface_arguments.hpp"
 
 #include <memory>
+#include <optional>
 
 #include "batten/core/text.hpp"
 #include "batten/pipeline/shape_comparison.hpp"
@@ -41,9 +42,10 @@ Outcome reconstruct(const ReconstructArguments& arguments, Context& context) {
   const ScanOptions scan = scan_options(arguments.network);
   const NetworkSurfaceOptions filling = surface_options(arguments.surface);
   Outcome outcome, network, surface;
-  const Scan readings = read_network_scan(arguments.network, network);
+  const std::optional<Scan> readings = read_network_scan(arguments.network, context.progress, network);
+  if (!readings) return network;
   // Not by reconstruct(): the network is reported and written even where filling it fails.
-  const ScanNetwork scanned = network_from_scan(readings, scan, context.progress);
+  const ScanNetwork scanned = network_from_scan(*readings, scan, context.progress);
   report_network(arguments.network, scanned, network);
   report_surface(arguments.surface, network_surface(scanned.network, filling, context.progress),
                  scanned.network, context, surface);

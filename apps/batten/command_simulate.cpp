@@ -1,6 +1,7 @@
 #include "command.hpp"
 #include "pen_arguments.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -35,6 +36,7 @@ struct SimulateArguments {
   double sensor_noise = 1;
   int dwell = SimulateOptions().dwell;
   int planes = MeshSectionOptions().planes;
+  std::string speed_variation = "0", nodes = "numbered";
   bool raw = false;
   bool distortion = true;
   bool gyroscope = false;
@@ -78,6 +80,7 @@ SimulateOptions options_of(const SimulateArguments& arguments) {
   options.outliers = parse_fraction(arguments.outliers);
   options.disturbance = parse_angle(arguments.disturbance);
   options.curve_length_error = parse_fraction(arguments.curve_length_error);
+  options.speed_variation = parse_fraction(arguments.speed_variation);
   if (const auto problem = options.problem()) throw CLI::ValidationError(*problem);
   return options;
 }
@@ -143,6 +146,8 @@ void check_outputs(const SimulateArguments& arguments, Outcome& outcome) {
                                       "so"));
   if (arguments.gyroscope && !arguments.raw)
     throw CLI::ValidationError("--gyroscope needs --raw: a scan of orientations has no gyroscope");
+  if (arguments.nodes != "numbered" && arguments.raw)
+    throw CLI::ValidationError("--nodes is for scans of orientations: logs of --raw number their nodes");
   if (!arguments.tumble.empty() && !arguments.raw)
     throw CLI::ValidationError("--tumble needs --raw: a scan of orientations has no sensors to calibrate");
   try {
@@ -168,6 +173,16 @@ void write_truth(const SimulateArguments& arguments, const SimulatedObject& obje
   write_mesh(arguments.truth, mesh);
   outcome.figures["truth_faces"] = mesh.n_triangles();
   outcome.lines.push_back(concat("true surface: ", arguments.truth));
+}
+
+/// Leaves out the numbers of the nodes, or the nodes altogether: a device that only rests there.
+void leave_out_numbers(const std::string& nodes, Scan& scan) {
+  for (ScanCurve& curve : scan.curves) {
+    if (nodes == "stays") std::fill(curve.node_ids.begin(), curve.node_ids.end(), kNoNodeNumber);
+    if (nodes != "none") continue;
+    curve.node_readings.clear();
+    curve.node_ids.clear();
+  }
 }
 
 void add_figures(Json& figures, const SimulatedObject& object, const SimulatedScan& simulated) {
@@ -247,10 +262,12 @@ Outcome run_simulate(const SimulateArguments& arguments, const Progress& progres
   outcome.lines.push_back(concat(simulated.scan.curves.size(), " curves, ", outcome.figures["nodes"].dump(),
                                  " nodes, ", outcome.figures["readings"].dump(),
                                  " readings: ", arguments.output));
-  if (log)
+  if (log) {
     write_sensor_log(*log, arguments.output);
-  else
+  } else {
+    leave_out_numbers(arguments.nodes, simulated.scan);
     write_rawnet(simulated.scan, arguments.output);
+  }
   if (tumble) {
     write_sensor_log(*tumble, arguments.tumble);
     outcome.lines.push_back(concat("tumbling recording: ", arguments.tumble));
@@ -328,6 +345,16 @@ void add_simulate(CLI::App& app) {
   command
       ->add_option("--curve-length-error", a.curve_length_error, "Curve lengths wrong by up to this fraction")
       ->check(fraction_text());
+  command
+      ->add_option(
+          "--speed-variation", a.speed_variation,
+          "Distances from time stamps: the speed goes up and down by up to this fraction along a curve")
+      ->check(fraction_text());
+  command
+      ->add_option(
+          "--nodes", a.nodes,
+          "numbered; stays: marked where they are, without numbers; none: no marks, the device rests")
+      ->check(CLI::IsMember({"numbered", "stays", "none"}));
   command->add_flag("--raw", a.raw, "Write raw readings of accelerometer, magnetometer and gyroscope");
   command->add_option("--tumble", a.tumble,
                       "With --raw: write a recording for batten calibrate as well (.csv)");

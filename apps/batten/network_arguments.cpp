@@ -1,5 +1,6 @@
 #include "network_arguments.hpp"
 
+#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "batten/io/network_io.hpp"
 #include "batten/io/scan_io.hpp"
 #include "batten/io/sensor_log_io.hpp"
+#include "batten/scan/node_inference.hpp"
 #include "batten/scan/reconstruct.hpp"
 
 namespace batten::cli {
@@ -57,12 +59,67 @@ ScanOptions scan_options(const NetworkArguments& arguments) {
   return options;
 }
 
-Scan read_network_scan(const NetworkArguments& arguments, Outcome& outcome) {
-  const ScopedStage stage(outcome.times, "read");
-  LogScanOptions options;
-  if (!arguments.calibration.empty()) options.calibration = read_calibration(arguments.calibration);
-  LogScan read = read_scan(arguments.input, options, arguments.columns);
+namespace {
+
+Json node_json(const InferredNode& node) {
+  Json visits = Json::array();
+  for (const NodeVisit& visit : node.visits)
+    visits.push_back({{"curve", visit.curve + 1},
+                      {"reading", visit.reading + 1},
+                      {"distance", visit.distance},
+                      {"normal_angle_deg", degrees(visit.normal_angle)},
+                      {"misfit_percent", 100 * visit.misfit},
+                      {"margin", visit.margin}});
+  Json json = {{"number", node.number}, {"sure", node.is_sure}, {"visits", visits}};
+  if (!node.is_sure) json["doubt"] = node.doubt;
+  return json;
+}
+
+/// The scan with the numbers found; they are written where that is asked for, in doubt as well.
+std::optional<Scan> numbered_scan(const NetworkArguments& arguments, const Scan& scan,
+                                  const Progress& progress, Outcome& outcome) {
+  const ScopedStage stage(outcome.times, "nodes");
+  NodeInference found = infer_nodes(scan, progress);
+  Json nodes = Json::array();
+  int n_sure = 0;
+  for (const InferredNode& node : found.nodes) {
+    nodes.push_back(node_json(node));
+    n_sure += node.is_sure ? 1 : 0;
+  }
+  Json inferred = {{"stays", found.n_stays}, {"nodes", nodes}, {"sure", n_sure}, {"doubts", found.doubts}};
+  inferred["margin"] = std::isfinite(found.margin) ? Json(found.margin) : Json(nullptr);
+  outcome.figures["inferred_nodes"] = inferred;
+  outcome.lines.push_back(
+      concat(found.nodes.size(), " nodes found from ", found.n_stays, " stays, ", n_sure, " of them sure"));
+  if (!arguments.numbered.empty()) {
+    write_rawnet(found.scan, arguments.numbered);
+    outcome.lines.push_back("numbers: " + arguments.numbered);
+  }
+  if (found.is_sure()) return std::move(found.scan);
+  for (const std::string& doubt : found.doubts) outcome.warnings.push_back(doubt);
+  outcome.failure =
+      concat("the numbers of the nodes are not sure, ", found.doubts.size(), " doubts; no network was made",
+             arguments.numbered.empty()
+                 ? std::string(": --numbered FILE.rawnet writes the proposal to be corrected and given back")
+                 : concat(": correct ", arguments.numbered, " and give it back without --nodes auto"));
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<Scan> read_network_scan(const NetworkArguments& arguments, const Progress& progress,
+                                      Outcome& outcome) {
+  LogScan read;
+  {
+    const ScopedStage stage(outcome.times, "read");
+    LogScanOptions options;
+    if (!arguments.calibration.empty()) options.calibration = read_calibration(arguments.calibration);
+    read = read_scan(arguments.input, options, arguments.columns,
+                     arguments.nodes == "auto" ? NodeNumbers::MayMiss : NodeNumbers::Needed);
+  }
   for (const std::string& warning : read.warnings) outcome.warnings.push_back(warning);
+  if (arguments.nodes == "auto") return numbered_scan(arguments, read.scan, progress, outcome);
+  if (!arguments.numbered.empty()) throw CLI::ValidationError("--numbered needs --nodes auto");
   return std::move(read.scan);
 }
 
@@ -129,6 +186,8 @@ void report_network(const NetworkArguments& arguments, const ScanNetwork& result
   f["iterations"] = report.iterations;
   f["length_factors"] = report.factors;
   f["length_factor_deviations"] = report.factor_deviations;
+  f["speed_variation"] = report.speed_spread;
+  if (!report.lengths.empty()) f["lengths"] = report.lengths;
   f["undetermined"] = report.undetermined;
   f["closure_misfit_before"] = report.closure_misfit_before;
   f["closure_misfit"] = report.closure_misfit;
@@ -139,6 +198,7 @@ void report_network(const NetworkArguments& arguments, const ScanNetwork& result
   outcome.lines.push_back(concat("size ", report.size, ", step ", report.step, "; ", report.n_readings,
                                  " readings, ", n_outliers, " outliers"));
   outcome.lines.push_back("weights: " + report.weights_reason);
+  if (!report.lengths.empty()) outcome.lines.push_back("lengths: " + report.lengths);
   outcome.lines.push_back(concat("closure misfit ", report.closure_misfit_before, " unfiltered, ",
                                  report.closure_misfit, " now"));
   outcome.exhibit.network = result.network;
@@ -175,11 +235,19 @@ void add_network_options(CLI::App& command, NetworkArguments& arguments) {
       ->check(CLI::IsMember({"on", "off"}));
   command
       .add_option("--scheme", arguments.scheme,
-                  "Integration: second order, or the first-order one of the thesis")
+                  "Integration: fourth order, or the first-order one of the thesis")
       ->check(CLI::IsMember(choice_words<IntegrationScheme>()));
   command
+      .add_option("--nodes", arguments.nodes,
+                  "given: as numbered in the scan; auto: found from the stays of the device, and shown with "
+                  "their evidence")
+      ->check(CLI::IsMember({"given", "auto"}));
+  command.add_option("--numbered", arguments.numbered,
+                     "With --nodes auto: write the scan with the numbers found, .rawnet, to be corrected");
+  command
       .add_option("--lengths", arguments.lengths,
-                  "measured, or estimated: right up to one factor per curve, which closure tells")
+                  "measured, or estimated, from time stamps: right up to a factor that may change along each "
+                  "curve, which closure tells")
       ->check(CLI::IsMember(choice_words<LengthChoice>()));
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 #include "command.hpp"
 
+#include <optional>
 #include <string>
 
 #include "batten/scan/reconstruct.hpp"
@@ -11,6 +12,7 @@ namespace batten::cli {
 /// The way from a scan to a network, as `network` and `reconstruct` share it.
 struct NetworkArguments {
   std::string input, output, calibration, columns;
+  std::string nodes = "given", numbered;
   std::string step = "1.6%", weights = "auto", energy = "scaled", robust = "on", scheme = "midpoint",
               lengths = "measured";
   double xi = 10000;
@@ -22,8 +24,11 @@ void add_network_options(CLI::App& command, NetworkArguments& arguments);
 /// @throws CLI::ValidationError, InvalidInput on values that do not go together or do not parse.
 ScanOptions scan_options(const NetworkArguments& arguments);
 
-/// Reads the scan, with its calibration where one is given. Warnings and time go to `outcome`.
-Scan read_network_scan(const NetworkArguments& arguments, Outcome& outcome);
+/// Reads the scan, with its calibration where one is given, and finds the numbers of its nodes where that is
+/// wanted; they and what is doubtful about them go to `outcome`, with warnings and time.
+/// @return nothing where numbers are in doubt: `outcome` has the failure.
+std::optional<Scan> read_network_scan(const NetworkArguments& arguments, const Progress& progress,
+                                      Outcome& outcome);
 
 /// Writes the network where `output` is not empty, and adds figures, lines, warnings, times and the exhibit.
 void report_network(const NetworkArguments& arguments, const ScanNetwork& network, Outcome& outcome);

@@ -34,7 +34,7 @@ TEST(CommandLines, SimulateTakesEveryOption) {
       "simulate torus -o full.rawnet --truth truth.ply --truth-network truth.net --seed 7 "
       "--orientation-noise 2deg "
       "--drift 1deg --odometer-error 0.3% --step 2% --truth-edge 3% --truth-step 1% --outliers 5% "
-      "--disturbance 30deg --curve-length-error 15%",
+      "--disturbance 30deg --curve-length-error 15% --speed-variation 10% --nodes numbered",
       {"curves", "nodes", "segments", "readings"});
   EXPECT_EQ(json["curves"], 12);
   EXPECT_EQ(json["nodes"], 36);  // six circles cross six meridians
@@ -86,6 +86,38 @@ TEST(CommandLines, OrientTakesEveryOption) {
   }
 }
 
+/// Two lines on a plane with three stays each: nothing tells at which of them they cross.
+std::string crossing_lines() {
+  std::string text = "2\n";
+  for (const char* direction : {"1 0 0", "0 1 0"}) {
+    text += "0\n0\n3\n1 3 5\n? ? ?\n5\n";
+    for (int i = 0; i < 5; ++i) text += std::to_string(i) + " " + direction + " 0 0 1\n";
+  }
+  return text;
+}
+
+TEST(CommandLines, NodesWithoutNumbersAreFoundOrProposed) {
+  run_json("simulate sphere -o stays.rawnet --step 4% --nodes stays");
+  const Json refused = run_json("network stays.rawnet -o net.json", 3);
+  EXPECT_NE(refused.dump().find("--nodes auto"), std::string::npos) << refused;
+  const Json found =
+      complete_json("network stays.rawnet -o net.json --step 5% --nodes auto", {"inferred_nodes"});
+  EXPECT_EQ(found["nodes"], 6);
+  EXPECT_EQ(found["inferred_nodes"]["sure"], 6);
+  EXPECT_EQ(found["inferred_nodes"]["nodes"][0]["visits"].size(), 2U);
+  run_json("simulate sphere -o rests.rawnet --step 4% --nodes none");
+  run_json("network rests.rawnet -o net.json", 3);
+  EXPECT_EQ(run_json("network rests.rawnet -o net.json --step 5% --nodes auto")["nodes"], 6);
+  write_file("lines.rawnet", crossing_lines());
+  const Json proposed =
+      run_json("network lines.rawnet -o lines.json --nodes auto --numbered proposal.rawnet", 1);
+  EXPECT_GT(proposed["inferred_nodes"]["doubts"].size(), 0U);
+  EXPECT_FALSE(file_exists("lines.json"));
+  // The proposal is a scan that is read back, to be corrected.
+  run_json("network proposal.rawnet -o lines.json");
+  EXPECT_TRUE(file_exists("lines.json"));
+}
+
 TEST(CommandLines, NetworkTakesEveryOption) {
   complete_json("simulate sphere -o scan.rawnet --step 4% --orientation-noise 1deg --seed 2");
   for (const char* options :
@@ -95,7 +127,8 @@ TEST(CommandLines, NetworkTakesEveryOption) {
         "-o net.json --step 5% --energy thesis", "-o net.json --step 5% --energy scaled --xi 100",
         "-o net.json --step 5% --robust off", "-o net.json --step 5% --robust on --scheme thesis",
         "-o net.json --step 5% --scheme midpoint", "-o net.json --step 5% --lengths estimated",
-        "-o net.json --step 5% --lengths measured"}) {
+        "-o net.json --step 5% --lengths measured",
+        "-o net.json --step 5% --nodes auto --numbered numbered.rawnet"}) {
     const Json json = complete_json(std::string("network scan.rawnet ") + options,
                                     {"curves", "nodes", "segments", "components", "vertices"});
     if (json.contains("curves")) {

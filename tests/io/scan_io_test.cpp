@@ -70,6 +70,27 @@ TEST(Rawnet, ReadsWhatTheFileSays) {
   EXPECT_EQ(curve.normals.row(1), Eigen::RowVector3d(0, 0, 1));
 }
 
+TEST(Rawnet, NodesWithoutNumbersAreReadAndWritten) {
+  const Scan scan = parse_rawnet(replaced(kLine, "0 1\n", "? ?\n"), "line.rawnet");
+  EXPECT_EQ(scan.curves[0].node_ids, (std::vector<int>{kNoNodeNumber, kNoNodeNumber}));
+  const std::string path = test::scratch_file("stays.rawnet");
+  write_rawnet(scan, path);
+  expect_equal(read_rawnet(path), scan);
+  EXPECT_THROW(check_scan(scan), InvalidInput);
+  EXPECT_NO_THROW(check_scan(scan, NodeNumbers::MayMiss));
+  // Without marks the curves are not connected, which only those want to read who look for the nodes.
+  Scan bare = scan;
+  bare.curves.push_back(bare.curves[0]);
+  for (ScanCurve& curve : bare.curves) curve.node_readings.clear(), curve.node_ids.clear();
+  write_rawnet(bare, path);
+  EXPECT_THROW(read_rawnet(path), FileError);
+  expect_equal(read_rawnet(path, NodeNumbers::MayMiss), bare);
+  // Some numbers may be there; they are checked as ever.
+  EXPECT_EQ(parse_rawnet(replaced(kLine, "0 1\n", "? 0\n"), "line.rawnet").curves[0].node_ids[1], 0);
+  EXPECT_THROW(parse_rawnet(replaced(kLine, "0 1\n", "? 7\n"), "line.rawnet"), FileError);
+  EXPECT_THROW(parse_rawnet(replaced(kLine, "1 2\n", "? 2\n"), "line.rawnet"), FileError);
+}
+
 // Comments, blank lines, blanks at the ends, Windows line ends and a byte-order mark carry no meaning.
 TEST(Rawnet, LooksThroughCommentsBlanksAndLineEnds) {
   const Scan plain = parse_rawnet(kLine, "a");

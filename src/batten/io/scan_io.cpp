@@ -107,7 +107,8 @@ std::string_view comment_value(std::string_view line, std::string_view key) {
 /// Reads rawnet content from one or several files.
 class RawnetParser {
  public:
-  RawnetParser(LineReader& in, bool may_open_files) : in_(in), may_open_files_(may_open_files) {}
+  RawnetParser(LineReader& in, bool may_open_files, NodeNumbers numbers = NodeNumbers::Needed)
+      : in_(in), may_open_files_(may_open_files), numbers_(numbers) {}
 
   Scan parse() {
     const long count = whole_number("the number of curves", 0);
@@ -121,7 +122,10 @@ class RawnetParser {
                       quoted(line), "; correct the number of curves or of readings"));
     detail::check_node_numbers(nodes_);
     try {
-      check_scan(scan_);
+      const bool has_all = std::none_of(nodes_.begin(), nodes_.end(), [](const detail::NodeEntry& node) {
+        return node.id == kNoNodeNumber;
+      });
+      check_scan(scan_, has_all ? numbers_ : NodeNumbers::MayMiss);
     } catch (const FileError&) {
       throw;
     } catch (const InvalidInput& error) {
@@ -181,13 +185,15 @@ class RawnetParser {
     return line[0] - '0';
   }
 
-  /// `count` whole numbers on one line.
-  std::vector<int> whole_numbers(const std::string& what, long count) {
+  /// `count` whole numbers on one line. @param may_miss "?" stands for kNoNodeNumber.
+  std::vector<int> whole_numbers(const std::string& what, long count, bool may_miss = false) {
     std::string_view rest = expected_line(what);
     std::vector<int> values;
     for (std::string_view token = take_token(rest); !token.empty(); token = take_token(rest)) {
       long value = 0;
-      if (!parse_integer(token, value) || value < 0 || value > std::numeric_limits<int>::max())
+      if (may_miss && token == "?")
+        value = kNoNodeNumber;
+      else if (!parse_integer(token, value) || value < 0 || value > std::numeric_limits<int>::max())
         in_.fail(concat("expected ", what, ", found ", quoted(token)));
       values.push_back(static_cast<int>(value));
     }
@@ -211,7 +217,7 @@ class RawnetParser {
     if (n_nodes > 0) {
       curve.node_readings = whole_numbers(concat("the positions of the nodes", of_curve), n_nodes);
       line_of_positions = in_.line_number();
-      curve.node_ids = whole_numbers(concat("the numbers of the nodes", of_curve), n_nodes);
+      curve.node_ids = whole_numbers(concat("the numbers of the nodes", of_curve), n_nodes, true);
       for (const int id : curve.node_ids) nodes_.push_back({id, in_.path(), in_.line_number()});
     }
     const long n_readings = whole_number(concat("the number of readings", of_curve), 0);
@@ -321,6 +327,7 @@ class RawnetParser {
 
   LineReader& in_;
   bool may_open_files_;
+  NodeNumbers numbers_;
   std::string root_path_ = in_.path();
   Scan scan_;
   std::vector<detail::NodeEntry> nodes_;
@@ -332,16 +339,16 @@ std::string number_list(const std::vector<int>& values, int offset) {
   std::string line;
   for (const int value : values) {
     if (!line.empty()) line += ' ';
-    line += std::to_string(value + offset);
+    line += value == kNoNodeNumber ? "?" : std::to_string(value + offset);
   }
   return line;
 }
 
 }  // namespace
 
-Scan read_rawnet(const std::string& path) {
+Scan read_rawnet(const std::string& path, NodeNumbers numbers) {
   LineReader in(path);
-  return RawnetParser(in, true).parse();
+  return RawnetParser(in, true, numbers).parse();
 }
 
 Scan parse_rawnet(std::string text, const std::string& name) {
@@ -350,7 +357,12 @@ Scan parse_rawnet(std::string text, const std::string& name) {
 }
 
 void write_rawnet(const Scan& scan, const std::string& path) {
-  check_scan(scan);
+  const auto is_numbered = [](const ScanCurve& curve) {
+    return !curve.node_ids.empty() &&
+           std::count(curve.node_ids.begin(), curve.node_ids.end(), kNoNodeNumber) == 0;
+  };
+  const bool has_all = std::all_of(scan.curves.begin(), scan.curves.end(), is_numbered);
+  check_scan(scan, has_all ? NodeNumbers::Needed : NodeNumbers::MayMiss);
   OutputFile out(path);
   std::string text = "# rawnet: distances, tangents and normals along curves\n";
   if (!scan.unit.empty()) text += concat("# unit: ", one_line(scan.unit), "\n");
@@ -386,7 +398,8 @@ void write_rawnet(const Scan& scan, const std::string& path) {
   out.commit();
 }
 
-LogScan read_scan(const std::string& path, const LogScanOptions& options, const std::string& columns) {
+LogScan read_scan(const std::string& path, const LogScanOptions& options, const std::string& columns,
+                  NodeNumbers numbers) {
   // Told by the first line that is neither blank nor comment: a log begins with the names of its columns.
   bool is_log = false;
   {
@@ -415,7 +428,7 @@ LogScan read_scan(const std::string& path, const LogScanOptions& options, const 
     }
   }
   LogScan result;
-  result.scan = read_rawnet(path);
+  result.scan = read_rawnet(path, numbers);
   return result;
 }
 

@@ -30,7 +30,8 @@ struct NodeEntry {
 /// silently give another topology. @throws FileError at the first such entry.
 inline void check_node_numbers(const std::vector<NodeEntry>& nodes) {
   std::set<int> ids;
-  for (const NodeEntry& node : nodes) ids.insert(node.id);
+  for (const NodeEntry& node : nodes)
+    if (node.id >= 0) ids.insert(node.id);
   if (ids.empty()) return;
   const int last = static_cast<int>(ids.size()) - (*ids.begin() == 0 ? 1 : 0);
   for (const NodeEntry& node : nodes)

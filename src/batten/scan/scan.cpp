@@ -46,7 +46,7 @@ void check_readings(const ScanCurve& curve, const std::string& where) {
     fail(where, "all readings have the same distance, so the curve has no length; check the odometer");
 }
 
-void check_nodes(const ScanCurve& curve, const std::string& where) {
+void check_nodes(const ScanCurve& curve, NodeNumbers numbers, const std::string& where) {
   const Eigen::Index n = curve.n_readings();
   if (curve.node_readings.size() != curve.node_ids.size())
     fail(where, concat(curve.node_readings.size(), " node readings but ", curve.node_ids.size(),
@@ -56,7 +56,11 @@ void check_nodes(const ScanCurve& curve, const std::string& where) {
     if (reading < 0 || reading >= n)
       fail(where, concat("node ", curve.node_ids[j], " is at reading ", reading + 1,
                          ", but the curve has the readings 1 to ", n));
-    if (curve.node_ids[j] < 0) fail(where, concat("the node number ", curve.node_ids[j], " is negative"));
+    if (curve.node_ids[j] == kNoNodeNumber && numbers == NodeNumbers::Needed)
+      fail(where, concat("the node at reading ", reading + 1,
+                         " has no number; write it, or let --nodes auto find the numbers"));
+    if (curve.node_ids[j] < 0 && curve.node_ids[j] != kNoNodeNumber)
+      fail(where, concat("the node number ", curve.node_ids[j], " is negative"));
     if (j == 0) continue;
     if (reading <= curve.node_readings[j - 1])
       fail(where, concat("the readings of its nodes must increase, but reading ",
@@ -65,7 +69,7 @@ void check_nodes(const ScanCurve& curve, const std::string& where) {
       fail(where, concat("the nodes ", curve.node_ids[j - 1], " and ", curve.node_ids[j],
                          " have the same distance; merge them or record the piece between them"));
   }
-  if (!curve.closed || curve.node_ids.empty()) return;
+  if (!curve.closed || curve.node_ids.empty() || numbers == NodeNumbers::MayMiss) return;
   const bool spans = curve.distances[curve.node_readings.front()] == curve.distances[0] &&
                      curve.distances[curve.node_readings.back()] == curve.distances[n - 1];
   if (curve.node_ids.front() != curve.node_ids.back() || curve.node_ids.size() < 2 || !spans)
@@ -106,14 +110,14 @@ std::string curve_label(const Scan& scan, int curve) {
   return name.empty() ? concat("curve ", curve + 1) : concat("curve ", curve + 1, " '", name, "'");
 }
 
-void check_scan(const Scan& scan) {
+void check_scan(const Scan& scan, NodeNumbers numbers) {
   if (scan.curves.empty()) throw InvalidInput("the scan has no curves");
   for (int c = 0; c < static_cast<int>(scan.curves.size()); ++c) {
     const std::string where = curve_label(scan, c);
     check_readings(scan.curves[c], where);
-    check_nodes(scan.curves[c], where);
+    check_nodes(scan.curves[c], numbers, where);
   }
-  check_connected(scan);
+  if (numbers == NodeNumbers::Needed) check_connected(scan);
 }
 
 }  // namespace batten

@@ -15,13 +15,16 @@ enum class TangentConvention {
   ToNext,    ///< the direction from reading i to reading i + 1: what exports of drawn curves store
 };
 
+/// The number of a node that is marked and has none: infer_nodes() finds one.
+constexpr int kNoNodeNumber = -1;
+
 /// The readings along one curve. A closed curve repeats its first node at the end.
 struct ScanCurve {
   std::string name;
   bool boundary = false;
   bool closed = false;
   std::vector<int> node_readings;  ///< 0-based indices of the readings taken at nodes, increasing
-  std::vector<int> node_ids;       ///< the global number of each of these nodes; as many
+  std::vector<int> node_ids;       ///< the global number of each of these nodes, or kNoNodeNumber; as many
   Eigen::VectorXd distances;       ///< n, along the curve from its start, not decreasing
   Points tangents;                 ///< n × 3 unit vectors in the world frame
   Points normals;                  ///< n × 3 unit vectors in the world frame, outward
@@ -45,10 +48,13 @@ struct Scan {
 /// "curve 3" or "curve 3 'rim'", 1-based as users count: how errors and warnings name a curve.
 std::string curve_label(const Scan& scan, int curve);
 
+/// Whether every node has its number.
+enum class NodeNumbers { Needed, MayMiss };
+
 /// Checks what every method below assumes. @throws InvalidInput naming curve, reading or node, and the
 /// remedy: no curves, fewer than two readings, sizes that differ, NaN, zero tangents, tangent parallel to
 /// normal, decreasing distances, node lists that are not increasing, a closed curve whose last node is not
-/// its first, parts that are not connected.
-void check_scan(const Scan& scan);
+/// its first, and where numbers are needed nodes without one and parts that are not connected.
+void check_scan(const Scan& scan, NodeNumbers numbers = NodeNumbers::Needed);
 
 }  // namespace batten
