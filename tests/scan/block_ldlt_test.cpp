@@ -1,6 +1,7 @@
 #include "threads.hpp"
 
 #include <algorithm>
+#include <tuple>
 
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
@@ -118,6 +119,28 @@ TEST(BlockLdlt, GivesTheSameBitsForEveryNumberOfThreads) {
   };
   const auto one = solved(1);
   for (const int threads : {2, 3}) EXPECT_TRUE(solved(threads) == one);
+}
+
+// L Lᵀ is the matrix, whatever the order of elimination.
+TEST(BlockLdlt, RootTimesItsTransposeIsTheMatrix) {
+  BlockLdlt<1> chain(4, {{1, 0}, {2, 1}, {3, 2}, {3, 0}});
+  chain.clear();
+  Eigen::Matrix4d dense = Eigen::Matrix4d::Zero();
+  for (const auto& [a, b, value] : {std::tuple(0, 0, 4.0),
+                                    {1, 1, 5.0},
+                                    {2, 2, 6.0},
+                                    {3, 3, 7.0},
+                                    {1, 0, 1.0},
+                                    {2, 1, -2.0},
+                                    {3, 2, 0.5},
+                                    {3, 0, 1.5}}) {
+    chain.add(chain.slot(a, b), BlockLdlt<1>::Block(value));
+    dense(a, b) = dense(b, a) = value;
+  }
+  ASSERT_TRUE(chain.factorize());
+  Eigen::Matrix4d root;
+  for (int k = 0; k < 4; ++k) root.col(k) = chain.root_times(Eigen::Vector4d::Unit(k));
+  EXPECT_LT((root * root.transpose() - dense).norm(), 1e-13);
 }
 
 }  // namespace

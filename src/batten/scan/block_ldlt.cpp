@@ -276,6 +276,18 @@ Eigen::VectorXd BlockLdlt<B>::solve(const Eigen::VectorXd& right) const {
 }
 
 template <int B>
+Eigen::VectorXd BlockLdlt<B>::root_times(const Eigen::VectorXd& z) const {
+  Eigen::VectorXd product = Eigen::VectorXd::Zero(z.size());
+  for (int j = 0; j < n_; ++j) {
+    const Vector x = z.segment<B>(B * j);
+    product.segment<B>(B * unknown_[j]) += values_[first_[j]].template triangularView<Eigen::Lower>() * x;
+    for (int p = first_[j] + 1; p < first_[j + 1]; ++p)
+      product.segment<B>(B * unknown_[rows_[p]]) += values_[p] * x;
+  }
+  return product;
+}
+
+template <int B>
 void BlockLdlt<B>::invert(const Progress& progress) {
   wanted_.assign(n_, 1);
   inverse_.resize(values_.size());

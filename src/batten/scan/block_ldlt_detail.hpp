@@ -54,6 +54,9 @@ class BlockLdlt {
   /// Of the matrix, log of its absolute value. @pre factorize() has succeeded, as for all below.
   double log_determinant() const { return log_determinant_; }
   Eigen::VectorXd solve(const Eigen::VectorXd& right) const;
+  /// L z with the rows in the order of the unknowns: of independent z of deviation 1 it has the matrix as its
+  /// covariance. @pre no unknown is a multiplier.
+  Eigen::VectorXd root_times(const Eigen::VectorXd& z) const;
 
   /// The blocks of the inverse at the non-zero blocks of the factor, as if [takahashi1973] were printed with
   /// blocks: about twice the work of a factorisation.

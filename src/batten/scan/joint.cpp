@@ -191,6 +191,7 @@ Attempt attempt(const SampledScan& scan, const JointOptions& options, JointStart
   estimate.cost = result.cost;
   estimate.converged = converged;
   estimate.factor_deviation = model.factor_deviation(part());
+  estimate.draws = posterior_draws(model, noise, options.n_draws, part());
   return result;
 }
 

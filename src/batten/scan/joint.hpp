@@ -42,9 +42,17 @@ struct JointOptions {
   std::optional<double> turn_density;
   double xi = 10000;   ///< agreement of the normals at nodes relative to the data, as in S (3.30)
   bool robust = true;  ///< samples far from the curve lose their say
+  /// Draws from the posterior to be made, JointEstimate::draws; one solve each, at least 0.
+  int n_draws = 0;
 
   /// The first problem found, naming field and value, or nothing.
   std::optional<std::string> problem() const;
+};
+
+/// A draw from the posterior of the joint estimate: what may be true instead of it.
+struct JointDraw {
+  std::vector<Points> turns;  ///< per curve, n_samples × 3, radians: the frames are exp(turn) · those found
+  std::vector<Eigen::VectorXd> log_factors;  ///< per curve, of each step, beyond those found
 };
 
 /// Frames, drift, length factors and positions that explain a scan best.
@@ -60,6 +68,7 @@ struct JointEstimate {
   double turn_density = 0;             ///< of their noise, rad/s/√Hz
   Points gyroscope_bias;               ///< per some seconds, in the axes of the frames, rad/s
   Eigen::Matrix3d gyroscope_matrix = Eigen::Matrix3d::Zero();  ///< M: true rate = (I + M)(reading − bias)
+  std::vector<JointDraw> draws;                                ///< as many as asked for
   double evidence = 0;     ///< −2 log marginal likelihood, up to a constant
   double cost = 0;         ///< the same with what the samples cost that are not trusted: to compare estimates
   int iterations = 0;      ///< Gauss–Newton steps

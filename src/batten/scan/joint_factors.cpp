@@ -6,14 +6,6 @@
 // The factors of lengths in the joint estimate: one per curve, or a profile along each.
 namespace batten {
 
-namespace {
-
-/// Variance of the total length, as a part of itself: that of a length known to 10⁻⁵. The scale that all
-/// curves share is not observable, yet a network that shrinks as a whole closes ever better.
-constexpr double kMeanFactorVariance = 1e-10;
-
-}  // namespace
-
 double JointModel::chain_precision(int c) const {
   double length = 0;
   for (int s = layout_.first_step[c]; s < layout_.first_step[c + 1]; ++s) length += layout_.steps[s].length;
@@ -49,6 +41,20 @@ void JointModel::assemble_factors(const Weights& w) {
       right(k + 1) -= p * change;
     }
   }
+}
+
+void JointModel::draw_factors(const Weights& w, Random& random, Eigen::VectorXd& right) const {
+  const auto at = [&](int knot) -> double& { return right[3 * (layout_.scale_at + knot)]; };
+  for (int c = 0; c < layout_.n_curves; ++c) {
+    const int begin = layout_.first_knot[c], last = layout_.first_knot[c + 1] - 1;
+    for (const int end : {begin, last}) at(end) += std::sqrt(0.5 * w.scale) * random.normal();
+    for (int k = begin; k < last; ++k) {
+      const double noise = std::sqrt(chain_precision(c)) * random.normal();
+      at(k) -= noise;
+      at(k + 1) += noise;
+    }
+  }
+  right[3 * layout_.mean_at] += std::sqrt(kMeanFactorVariance) * random.normal();
 }
 
 double JointModel::factor_energy(const Weights& w, const Eigen::VectorXd& delta, double& squares) const {

@@ -14,9 +14,6 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-/// Relative slip of the odometer that no factor explains, as a random walk: 1e-4 sizes over one size. It also
-/// takes up the error of the steps between samples.
-constexpr double kSlip = 1e-4;
 /// Between the knots of a factor that changes along its curve, in sizes.
 constexpr double kKnotSpacing = 0.08;
 /// Precision of the move of a node in one step, per square of the size: it holds the place of the whole,

@@ -2,12 +2,20 @@
 #include <vector>
 
 #include "batten/core/progress.hpp"
+#include "batten/core/random.hpp"
 #include "batten/scan/joint.hpp"
 #include "batten/scan/joint_layout_detail.hpp"
 #include "batten/scan/joint_turns_detail.hpp"
 #include "batten/scan/noise_model_detail.hpp"
 
 namespace batten {
+
+/// Relative slip of the odometer that no factor explains, as a random walk: 1e-4 sizes over one size. It also
+/// takes up the error of the steps between samples.
+constexpr double kSlip = 1e-4;
+/// Variance of the total length, as a part of itself: that of a length known to 10⁻⁵. The scale that all
+/// curves share is not observable, yet a network that shrinks as a whole closes ever better.
+constexpr double kMeanFactorVariance = 1e-10;
 
 /// Where the joint estimate is: what its steps change.
 struct JointState {
@@ -68,6 +76,12 @@ class JointModel {
   }
   /// Posterior deviations of the factors of the curves about their mean. @pre evaluate() has succeeded.
   Eigen::VectorXd factor_deviation(const Progress& progress);
+  /// A draw of the deviations of all unknowns from their posterior (Laplace's approximation): the solution
+  /// for residuals that are noise. The place of the whole is left where it is. One solve.
+  /// @pre evaluate() has succeeded with `noise`.
+  Eigen::VectorXd draw(const NoiseModel& noise, Random& random) const;
+  /// Variance of the mean log factor of all curves, weighted by their lengths, where each has that deviation.
+  double mean_factor_variance(double scale) const;
 
  private:
   /// A reading: residual log(A Xᵀ) − b and its derivative by the frame, −J.
@@ -102,6 +116,9 @@ class JointModel {
   /// Precision of the change of the log factor from a knot of the curve to the next.
   double chain_precision(int curve) const;
   void add_drift_step(int s, const Weights& weights, double s00, double s01, double s11, Moments& m) const;
+  void draw_curve(int c, const Weights& weights, Random& random, Eigen::VectorXd& right) const;
+  void draw_factors(const Weights& weights, Random& random, Eigen::VectorXd& right) const;
+  void draw_shape(Random& random, Eigen::VectorXd& right) const;
   Moments squares_of_curve(int c, const Weights& weights, const Eigen::VectorXd& delta) const;
   Moments traces_of_curve(int c, const Weights& weights) const;
   template <typename OfCurve>
@@ -136,5 +153,11 @@ class JointModel {
   Eigen::VectorXd right_;
   int n_data_ = 0;
 };
+
+/// Draws from the posterior of frames and factors, and of the deviation of the factors, of which a few curves
+/// say little. Some ten factorisations and a solve for each draw. @pre the model is at its optimum for
+/// `noise`.
+std::vector<JointDraw> posterior_draws(JointModel& model, const NoiseModel& noise, int n_draws,
+                                       const Progress& progress);
 
 }  // namespace batten

@@ -173,6 +173,28 @@ void JointTurns::assemble(FrameLdlt& K, Eigen::VectorXd& right) const {
   }
 }
 
+void JointTurns::draw(Random& random, Eigen::VectorXd& right) const {
+  if (empty()) return;
+  const auto at = [&](int block) { return right.segment<3>(3 * block); };
+  for (size_t i = 0; i < linear_.size(); ++i) {
+    const JointTurn& t = layout_.turns[i];
+    const Linear& l = linear_[i];
+    const Vector3d noise = std::sqrt(l.weight) * random.normal3();
+    const Vector3d by_frames = l.by_frames.transpose() * noise, by_turn = l.by_turn.transpose() * noise;
+    at(t.after) += by_frames;
+    at(t.before) -= by_frames;
+    at(layout_.bias_at + t.bias) -= t.time * (by_turn + matrix_.transpose() * by_turn);
+    for (int j = 0; j < 3; ++j) at(layout_.matrix_at + j) += l.rate[j] * by_turn;
+  }
+  for (int b = 0; b < layout_.n_biases(); ++b) {
+    const double deviation = b == 0 ? kFirstBias : kBiasWalk * std::sqrt(layout_.bias_times[b]);
+    const Vector3d noise = random.normal3() / deviation;
+    at(layout_.bias_at + b) += noise;
+    if (b > 0) at(layout_.bias_at + b - 1) -= noise;
+  }
+  for (int j = 0; j < 3; ++j) at(layout_.matrix_at + j) += random.normal3() / kAxesDeviation;
+}
+
 double JointTurns::energy(const Eigen::VectorXd& delta) const {
   if (empty()) return 0;
   const auto by = [&](int block) -> Vector3d { return delta.segment<3>(3 * block); };

@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 
+#include "batten/core/random.hpp"
 #include "batten/scan/block_ldlt_detail.hpp"
 #include "batten/scan/samples.hpp"
 
@@ -65,6 +66,8 @@ class JointTurns {
   void linearize(const std::vector<Eigen::Matrix3d>& X);
   /// Adds JᵀWJ and −JᵀWr.
   void assemble(FrameLdlt& system, Eigen::VectorXd& right) const;
+  /// Adds JᵀW^½ ε: the right side of residuals that are noise.
+  void draw(Random& random, Eigen::VectorXd& right) const;
   /// Σ W|r + J δ|² − 3 log W with the priors of bias and matrix: its part of −2 log likelihood.
   double energy(const Eigen::VectorXd& delta) const;
   void apply(const Eigen::VectorXd& delta);

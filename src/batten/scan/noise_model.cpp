@@ -28,6 +28,7 @@ std::optional<std::string> JointOptions::problem() const {
   if (speed_deviation > 0 && !(scale_deviation > 0))
     return concat("speed_deviation needs a scale_deviation, got ", scale_deviation);
   if (negative(xi)) return concat("xi must be >= 0, got ", xi);
+  if (n_draws < 0) return concat("n_draws must be >= 0, got ", n_draws);
   if (noise)
     if (const auto wrong = noise->problem()) return "noise." + *wrong;
   return std::nullopt;

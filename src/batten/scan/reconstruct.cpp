@@ -96,8 +96,9 @@ JointEstimate estimate_with_turns(SampledScan& samples, const JointOptions& join
   return estimate_jointly(samples, joint, progress);
 }
 
-SampledScan jointly(const Scan& scan, const std::vector<CleanCurve>& clean, const PrefilterOptions& prefilter,
-                    const ScanOptions& options, ScanReport& report, const Progress& progress) {
+JointEstimate jointly(const Scan& scan, const std::vector<CleanCurve>& clean,
+                      const PrefilterOptions& prefilter, const ScanOptions& options, ScanReport& report,
+                      const Progress& progress) {
   PrefilterOptions sampling = prefilter;
   sampling.wrap = false;  // the drift at the start of a closed curve is not the drift at its end
   SampledScan samples = resample(scan, clean, sampling, progress);
@@ -131,7 +132,8 @@ SampledScan jointly(const Scan& scan, const std::vector<CleanCurve>& clean, cons
     joint.turn_density = search.turn_density;
     if (!search.has_turns) leave_out_turns(samples);
   }
-  const JointEstimate estimate = estimate_with_turns(samples, joint, report, progress);
+  if (options.uncertainty) joint.n_draws = kUncertaintyDraws;
+  JointEstimate estimate = estimate_with_turns(samples, joint, report, progress);
   if (!estimate.converged)
     report.warnings.push_back(concat("the joint estimate of frames and positions had not converged after ",
                                      estimate.iterations, " steps"));
@@ -154,7 +156,14 @@ SampledScan jointly(const Scan& scan, const std::vector<CleanCurve>& clean, cons
     report.speed_spread.push_back(estimate.speed_spread[static_cast<Eigen::Index>(c)]);
   }
   report.distrusted = distrusted_shares(estimate.trust);
-  return estimate.scan;
+  return estimate;
+}
+
+void place_jointly(const Scan& scan, const std::vector<CleanCurve>& clean, const PrefilterOptions& prefilter,
+                   const ScanOptions& options, ScanNetwork& result, const Progress& progress) {
+  JointEstimate estimate = jointly(scan, clean, prefilter, options, result.report, progress);
+  if (options.uncertainty) result.uncertainty = network_uncertainty(estimate, progress);
+  result.samples = std::move(estimate.scan);
 }
 
 /// Options of the plain regression of samples, with weights as the options say.
@@ -273,6 +282,8 @@ std::optional<std::string> ScanOptions::problem() const {
   if (lengths == LengthChoice::Estimated &&
       (weights != WeightChoice::Auto || energy == RegressionEnergy::Thesis))
     return "lengths can only be estimated with weights auto and the scaled energy";
+  if (uncertainty && (weights != WeightChoice::Auto || energy == RegressionEnergy::Thesis))
+    return "the uncertainty can only be told with weights auto and the scaled energy";
   return std::nullopt;
 }
 
@@ -466,7 +477,7 @@ ScanNetwork ReconstructionSolver::reconstruct(const ScanOptions& options, bool m
   {
     const ScopedStage stage(report.times, "regression");
     if (!exact && options.weights == WeightChoice::Auto && options.energy == RegressionEnergy::Scaled)
-      result.samples = jointly(scan, readings.clean, prefilter, options, report, progress);
+      place_jointly(scan, readings.clean, prefilter, options, result, progress);
     else
       regress(readings, prefilter, options, exact, moving, result, progress);
   }
@@ -478,6 +489,8 @@ ScanNetwork ReconstructionSolver::reconstruct(const ScanOptions& options, bool m
         form);
     report.closure_misfit = placed.closure_misfit;
     result.network = assemble(scan, result.samples, placed.positions);
+    if (options.uncertainty && !result.uncertainty)
+      result.uncertainty = NetworkUncertainty{Eigen::VectorXd::Zero(placed.positions.rows()), {}};
   }
   report.step = mean_step(result.samples);
   report.n_samples = result.samples.n_samples();

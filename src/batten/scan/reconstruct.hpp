@@ -15,6 +15,7 @@
 #include "batten/scan/prefilter.hpp"
 #include "batten/scan/regression.hpp"
 #include "batten/scan/scan.hpp"
+#include "batten/scan/uncertainty.hpp"
 
 namespace batten {
 
@@ -66,6 +67,9 @@ struct ScanOptions {
   IntegrationScheme scheme = IntegrationScheme::Midpoint;
   LengthChoice lengths = LengthChoice::Measured;
   double sigma = 0.35;  ///< radius of the pre-filter as a part of the step, S 3.5.3; (0, 2]
+  /// How sure each vertex is, ScanNetwork::uncertainty: needs automatic weights and the scaled energy. Costs
+  /// kUncertaintyDraws solves and integrations.
+  bool uncertainty = false;
 
   /// The first problem found, naming field and value, or nothing.
   std::optional<std::string> problem() const;
@@ -115,6 +119,8 @@ struct ScanNetwork {
   CurveNetwork network;
   ScanReport report;
   SampledScan samples;  ///< the frames behind it
+  /// Where it was asked for. Curves that close exactly are taken as exact: deviations of 0, no draws.
+  std::optional<NetworkUncertainty> uncertainty;
 };
 
 /// From readings to positions: outliers and duplicates, pre-filter, frames (with drift and odometer factors,

@@ -7,7 +7,9 @@ namespace batten::detail {
 
 template <typename Visitor>
 void visit_fields(ScanOptions& options, Visitor& visit) {
-  auto& [step, weights, lambda, mu, energy, xi, robust, scheme, lengths, sigma] = options;
+  // What the result is to tell beside the network is no part of a request: a project keeps no draws.
+  [[maybe_unused]] auto& [step, weights, lambda, mu, energy, xi, robust, scheme, lengths, sigma,
+                          uncertainty] = options;
   visit("step", step);
   visit("weights", weights);
   visit("lambda", lambda);

@@ -292,9 +292,9 @@ void check(const BsplineSurface& surface, const StepOptions& options) {
   }
 }
 
-/// Eight decimals of millimetres, a tenth of the tolerance, for all that is smaller than a kilometre; else 16 digits
-/// instead of Open Cascade's 13. Its buffer holds 24 characters, and where it cuts zeros it cuts off those of
-/// exponents too.
+/// Eight decimals of millimetres, a tenth of the tolerance, for all that is smaller than a kilometre; else 16
+/// digits instead of Open Cascade's 13. Its buffer holds 24 characters, and where it cuts zeros it cuts off
+/// those of exponents too.
 void set_digits(Interface_FloatWriter& writer, const BsplineSurface& surface, const StepOptions& options) {
   double largest = 0;
   for (const BsplinePatch& patch : surface.patches)
