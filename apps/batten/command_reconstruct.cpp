@@ -47,7 +47,10 @@ Outcome reconstruct(const ReconstructArguments& arguments, Context& context) {
   // Not by reconstruct(): the network is reported and written even where filling it fails.
   const ScanNetwork scanned = network_from_scan(*readings, scan, context.progress);
   report_network(arguments.network, scanned, network);
-  report_surface(arguments.surface, network_surface(scanned.network, filling, context.progress),
+  report_surface(arguments.surface,
+                 scanned.uncertainty
+                     ? uncertain_surface(scanned.network, *scanned.uncertainty, filling, context.progress)
+                     : network_surface(scanned.network, filling, context.progress),
                  scanned.network, context, surface);
 
   // The counts of what was made at the top, as every command has them; the figures of each stage by its name.

@@ -7,6 +7,7 @@
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
 #include "batten/io/file.hpp"
+#include "batten/io/network_io.hpp"
 #include "batten/io/standard_streams.hpp"
 #include "batten/pipeline/shape_comparison.hpp"
 #include "batten/render/render.hpp"
@@ -83,6 +84,8 @@ Outcome run_render(const RenderArguments& arguments, Context& context) {
                                 {"rms", errors.lengths.rms},
                                 {"diameter", errors.diameter}};
   }
+
+  if (model.network) subject.uncertainty = read_network_uncertainty(arguments.file);
 
   Image image;
   {

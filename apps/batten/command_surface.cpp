@@ -5,7 +5,11 @@
 #include <memory>
 #include <string>
 
+#include "batten/core/error.hpp"
+#include "batten/core/text.hpp"
 #include "batten/io/network_io.hpp"
+#include "batten/mesh/distance.hpp"
+#include "batten/pipeline/shape_comparison.hpp"
 
 namespace batten::cli {
 
@@ -15,7 +19,31 @@ struct Arguments {
   std::string input;
   SurfaceArguments surface;
   StrokeArguments strokes;
+  bool uncertainty = false;
 };
+
+/// How sure the vertices of a mended network are, by what its file says: as the nearest points of the curves
+/// that were read.
+NetworkUncertainty uncertainty_of(const std::string& path, const CurveNetwork& read,
+                                  const CurveNetwork& mended, Outcome& outcome) {
+  const Eigen::VectorXd deviations = read_network_uncertainty(path);
+  if (deviations.size() == 0) {
+    outcome.warnings.push_back(concat(path,
+                                      ": does not say how sure its curves are; they are taken as exact, "
+                                      "and only what lies between them as unsure"));
+    return {Eigen::VectorXd::Zero(mended.positions.rows()), {}};
+  }
+  if (mended.positions.rows() == read.positions.rows()) return {deviations, {}};
+  const Segments segments = batten::shape_of(read).segments;
+  const std::vector<ClosestPoint> closest = SegmentTree(read.positions, segments).closest(mended.positions);
+  Eigen::VectorXd carried(mended.positions.rows());
+  for (Eigen::Index v = 0; v < carried.size(); ++v) {
+    const ClosestPoint& at = closest[static_cast<std::size_t>(v)];
+    carried[v] = at.weights[0] * deviations[segments(at.element, 0)] +
+                 at.weights[1] * deviations[segments(at.element, 1)];
+  }
+  return {carried, {}};
+}
 
 Outcome run_surface(const Arguments& arguments, const Context& context) {
   check_surface_output(arguments.surface);
@@ -29,9 +57,15 @@ Outcome run_surface(const Arguments& arguments, const Context& context) {
   // Not by curves_surface(): the network of the strokes is reported and written even where filling it fails.
   if (curves.has_normals()) {
     const CurveNetwork network = run_mending(arguments.strokes, curves, outcome);
-    report_surface(arguments.surface, network_surface(network, options, context.progress), network, context,
-                   outcome);
+    report_surface(arguments.surface,
+                   arguments.uncertainty
+                       ? uncertain_surface(network, uncertainty_of(arguments.input, curves, network, outcome),
+                                           options, context.progress)
+                       : network_surface(network, options, context.progress),
+                   network, context, outcome);
   } else {
+    if (arguments.uncertainty)
+      throw InvalidInput(concat(arguments.input, ": --uncertainty needs a network with normals"));
     const StrokeNetwork strokes = run_strokes(arguments.strokes, curves, context, outcome);
     report_surface(arguments.surface,
                    network_surface(strokes.network, strokes.estimate.cycles, options, context.progress),
@@ -56,6 +90,8 @@ void add_surface(CLI::App& app) {
       ->add_option("--crossings", arguments->surface.crossings,
                    "Without normals: patches that would cross others or fold are filled flatter, or kept")
       ->check(CLI::IsMember({"flatten", "keep"}));
+  command->add_flag("--uncertainty", arguments->uncertainty,
+                    "Tell how sure every vertex is: a value per vertex of .ply, and figures");
 }
 
 }  // namespace batten::cli

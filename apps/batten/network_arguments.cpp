@@ -1,5 +1,7 @@
 #include "network_arguments.hpp"
 
+#include "uncertainty_figures.hpp"
+
 #include <cmath>
 #include <string>
 #include <utility>
@@ -55,6 +57,7 @@ ScanOptions scan_options(const NetworkArguments& arguments) {
   options.robust = arguments.robust == "on";
   options.scheme = parse_choice<IntegrationScheme>(arguments.scheme);
   options.lengths = parse_choice<LengthChoice>(arguments.lengths);
+  options.uncertainty = arguments.uncertainty;
   if (const auto problem = options.problem()) throw CLI::ValidationError(*problem);
   return options;
 }
@@ -134,7 +137,14 @@ void report_network(const NetworkArguments& arguments, const ScanNetwork& result
   const bool writes = !arguments.output.empty();
   if (writes) {
     const ScopedStage stage(outcome.times, "write");
-    write_network(arguments.output, result.network);
+    if (result.uncertainty && network_format(arguments.output) == NetworkFormat::Json) {
+      write_uncertain_network(arguments.output, result.network, result.uncertainty->deviations);
+    } else {
+      write_network(arguments.output, result.network);
+      if (result.uncertainty)
+        outcome.warnings.push_back(
+            concat(arguments.output, ": cannot hold the uncertainty; write .json to keep it"));
+    }
   }
 
   Json& f = outcome.figures;
@@ -201,6 +211,8 @@ void report_network(const NetworkArguments& arguments, const ScanNetwork& result
   if (!report.lengths.empty()) outcome.lines.push_back("lengths: " + report.lengths);
   outcome.lines.push_back(concat("closure misfit ", report.closure_misfit_before, " unfiltered, ",
                                  report.closure_misfit, " now"));
+  if (result.uncertainty)
+    report_uncertainty(result.network.positions, result.uncertainty->deviations, outcome);
   outcome.exhibit.network = result.network;
 }
 
@@ -237,6 +249,8 @@ void add_network_options(CLI::App& command, NetworkArguments& arguments) {
       .add_option("--scheme", arguments.scheme,
                   "Integration: fourth order, or the first-order one of the thesis")
       ->check(CLI::IsMember(choice_words<IntegrationScheme>()));
+  command.add_flag("--uncertainty", arguments.uncertainty,
+                   "Tell how sure every vertex is: a value per vertex of .json and .ply, and figures");
   command
       .add_option("--nodes", arguments.nodes,
                   "given: as numbered in the scan; auto: found from the stays of the device, and shown with "

@@ -16,6 +16,7 @@ struct NetworkArguments {
   std::string step = "1.6%", weights = "auto", energy = "scaled", robust = "on", scheme = "midpoint",
               lengths = "measured";
   double xi = 10000;
+  bool uncertainty = false;
 };
 
 /// Adds the scan and every option but the outputs.

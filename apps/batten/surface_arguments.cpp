@@ -1,5 +1,7 @@
 #include "surface_arguments.hpp"
 
+#include "uncertainty_figures.hpp"
+
 #include <string>
 
 #include "batten/core/error.hpp"
@@ -57,6 +59,9 @@ void report_surface(const SurfaceArguments& arguments, NetworkSurface surface, c
     MeshWriteOptions options;
     if (has_unit(mesh_format(arguments.output))) options.metres_per_unit = metres_per_unit(unit);
     write_mesh(arguments.output, surface.mesh, options);
+    for (const std::string& loss : losses_in_format(surface.mesh, mesh_format(arguments.output)))
+      if (surface.mesh.vertex_values.count("uncertainty") > 0)
+        outcome.warnings.push_back(concat(arguments.output, ": ", loss));
   }
   const MeshTopology& topology = surface.topology;
   const MeshQuality& quality = surface.quality;
@@ -95,6 +100,9 @@ void report_surface(const SurfaceArguments& arguments, NetworkSurface surface, c
                                  degrees(quality.min_angle), " degrees; ", surface.folded_triangles,
                                  " folded, ", surface.degenerate_triangles, " degenerate, ",
                                  surface.crossing_pairs, " crossing triangles"));
+  if (const auto found = surface.mesh.vertex_values.find("uncertainty");
+      found != surface.mesh.vertex_values.end())
+    report_uncertainty(surface.mesh.positions, found->second, outcome);
   outcome.exhibit.network = network;
   outcome.exhibit.mesh = std::move(surface.mesh);
 }

@@ -179,6 +179,21 @@ TEST(ShownValues, AreTheCurvaturesOfASphereAndTheErrorsAsScaled) {
   EXPECT_THROW(shown_values({}, small(Shading::MeanCurvature)), InvalidInput);
 }
 
+// The deviations of a file are shown as they are, in its unit; those that are given come before them.
+TEST(Render, UncertaintyIsAValueOfTheMesh) {
+  TriangleMesh mesh = fixtures::as_mesh(
+      fixtures::grid(3, 3, false, false, [](double u, double v) { return Eigen::Vector3d(u, v, 0); }));
+  EXPECT_THROW(render({&mesh}, small(Shading::Uncertainty)), InvalidInput);
+  mesh.vertex_values["uncertainty"] = Eigen::VectorXd::LinSpaced(mesh.n_vertices(), 0, 0.5);
+  const auto shown = shown_values({&mesh}, small(Shading::Uncertainty));
+  ASSERT_TRUE(shown.has_value());
+  EXPECT_EQ(shown->values, mesh.vertex_values["uncertainty"]);
+  EXPECT_EQ(shown->low, 0);
+  Subject given{&mesh};
+  given.uncertainty = Eigen::VectorXd::Constant(mesh.n_vertices(), 0.25);
+  EXPECT_EQ(shown_values(given, small(Shading::Uncertainty))->values, given.uncertainty);
+}
+
 // A square before a larger one hides exactly its part; the lines behind it are hidden as well.
 TEST(Render, NearThingsHideFarThings) {
   TriangleMesh mesh = fixtures::as_mesh(fixtures::grid(

@@ -24,6 +24,9 @@ RawNetwork parse_json_network(const std::string& content, const std::string& pat
 
 std::string net_text(const CurveNetwork& network);
 std::string obj_network_text(const CurveNetwork& network);
-std::string json_network_text(const CurveNetwork& network);
+/// @param uncertainty per vertex, or empty.
+std::string json_network_text(const CurveNetwork& network, const Eigen::VectorXd& uncertainty = {});
+/// What json_network_text() wrote of it; empty where there is none.
+Eigen::VectorXd parse_json_uncertainty(const std::string& content, const std::string& path);
 
 }  // namespace batten::detail

@@ -435,6 +435,21 @@ void write_network(const std::string& path, const CurveNetwork& network) {
   write_file(path, format_network(network, network_format(path)));
 }
 
+void write_uncertain_network(const std::string& path, const CurveNetwork& network,
+                             const Eigen::VectorXd& uncertainty) {
+  if (uncertainty.size() != network.positions.rows())
+    throw InvalidInput(concat("there are ", uncertainty.size(), " deviations for ", network.positions.rows(),
+                              " vertices of the network"));
+  refuse_compressed(path);
+  check_arrays(network);
+  write_file(path, detail::json_network_text(network, uncertainty));
+}
+
+Eigen::VectorXd read_network_uncertainty(const std::string& path) {
+  if (input_extension(path) != "json") return {};
+  return detail::parse_json_uncertainty(read_file(path), path);
+}
+
 std::vector<std::string> losses_in_format(const CurveNetwork& network, NetworkFormat format) {
   std::vector<std::string> losses;
   if (format != NetworkFormat::Json &&

@@ -39,6 +39,14 @@ NetworkFormat network_format(std::string_view path);
 /// @throws FileError when the file cannot be written; InvalidInput when an index is out of range.
 void write_network(const std::string& path, const CurveNetwork& network);
 
+/// The same as .json with the standard deviation of each vertex, in the unit of the network, under
+/// "uncertainty". @pre the path is one of .json. @throws as write_network(); InvalidInput on another size.
+void write_uncertain_network(const std::string& path, const CurveNetwork& network,
+                             const Eigen::VectorXd& uncertainty);
+/// What write_uncertain_network() wrote of it, per vertex of the file; empty where the file is of another
+/// format or has none. @throws FileError as read_network().
+Eigen::VectorXd read_network_uncertainty(const std::string& path);
+
 /// The text that write_network() puts into the file. @pre format is Net, Obj or Json.
 std::string format_network(const CurveNetwork& network, NetworkFormat format);
 

@@ -260,7 +260,23 @@ RawNetwork parse_json_network(const std::string& content, const std::string& pat
   return raw;
 }
 
-std::string json_network_text(const CurveNetwork& network) {
+Eigen::VectorXd parse_json_uncertainty(const std::string& content, const std::string& path) {
+  const Json json = parsed(content, path);
+  const Node root(json, "", path);
+  if (!root.has("uncertainty")) return {};
+  const Node values = root.at("uncertainty").array();
+  const size_t n = root.at("positions").array().size();
+  if (values.size() != n) values.fail(concat("has ", values.size(), " values for ", n, " positions"));
+  Eigen::VectorXd uncertainty(static_cast<Eigen::Index>(n));
+  for (size_t v = 0; v < n; ++v) {
+    const double value = values.at(v).number();
+    if (value < 0) values.at(v).fail("must be at least 0");
+    uncertainty[static_cast<Eigen::Index>(v)] = value;
+  }
+  return uncertainty;
+}
+
+std::string json_network_text(const CurveNetwork& network, const Eigen::VectorXd& uncertainty) {
   std::string text =
       concat("{\n \"format\": \"", kFormatName, "\",\n \"version\": 1,\n \"unit\": ", json_text(network.unit),
              ",\n \"positions\": ");
@@ -280,6 +296,12 @@ std::string json_network_text(const CurveNetwork& network) {
   }
   text += "],\n \"tagged_nodes\": ";
   append_integers(text, network.tagged_nodes);
+  if (uncertainty.size() > 0) {
+    text += ",\n \"uncertainty\": [";
+    for (Eigen::Index v = 0; v < uncertainty.size(); ++v)
+      text += (v > 0 ? ", " : "") + exact_decimal(uncertainty[v]);
+    text += ']';
+  }
   return text + "\n}\n";
 }
 

@@ -7,6 +7,7 @@
 #include "batten/core/index.hpp"
 #include "batten/core/text.hpp"
 #include "batten/mesh/self_intersections.hpp"
+#include "batten/pipeline/surface_uncertainty.hpp"
 #include "batten/strokes/mended_network.hpp"
 
 namespace batten {
@@ -30,6 +31,12 @@ TriangleMesh without_loose_vertices(TriangleMesh mesh) {
       packed.positions.row(number[v]) = mesh.positions.row(static_cast<Eigen::Index>(v));
       packed.normals.row(number[v]) = mesh.normals.row(static_cast<Eigen::Index>(v));
     }
+  for (const auto& [name, values] : mesh.vertex_values) {
+    Eigen::VectorXd& kept = packed.vertex_values[name];
+    kept.resize(n);
+    for (std::size_t v = 0; v < number.size(); ++v)
+      if (number[v] >= 0) kept[number[v]] = values[static_cast<Eigen::Index>(v)];
+  }
   packed.triangles = mesh.triangles.unaryExpr([&](int v) { return number[at(v)]; });
   return packed;
 }
@@ -97,6 +104,18 @@ NetworkSurface network_surface(const CurveNetwork& network, const std::vector<Ne
   NetworkSurface result = checked(std::move(filled), network, progress);
   result.flattening = std::move(flattening);
   return result;
+}
+
+NetworkSurface uncertain_surface(const CurveNetwork& network, const NetworkUncertainty& of_network,
+                                 const NetworkSurfaceOptions& options, const Progress& progress) {
+  SurfaceSolver solver(network, surface_options(options, bounding_box_diagonal(network.positions)), progress);
+  SurfaceResult surface = solver.result();
+  {
+    const ScopedStage stage(surface.times, "uncertainty");
+    surface.mesh.vertex_values["uncertainty"] =
+        surface_uncertainty(solver, network, of_network, progress).deviations;
+  }
+  return checked(std::move(surface), network, progress);
 }
 
 CurvesSurface curves_surface(const CurveNetwork& curves, const StrokeNetworkOptions& strokes,

@@ -11,6 +11,7 @@
 #include "batten/mesh/quality.hpp"
 #include "batten/mesh/triangle_mesh.hpp"
 #include "batten/network/curve_network.hpp"
+#include "batten/scan/uncertainty.hpp"
 #include "batten/strokes/stroke_network.hpp"
 #include "batten/surfacing/flattening.hpp"
 #include "batten/surfacing/surface.hpp"
@@ -62,6 +63,11 @@ NetworkSurface network_surface(const CurveNetwork& network, const NetworkSurface
 /// The same with patches that are known, as stroke_network() gives them; crossing patches are flattened.
 NetworkSurface network_surface(const CurveNetwork& network, const std::vector<NetworkCycle>& cycles,
                                const NetworkSurfaceOptions& options = {}, const Progress& progress = {});
+
+/// The same with how sure it is: the value `uncertainty` of the mesh, per vertex in the unit of the network
+/// (SurfaceUncertainty::deviations). Costs a solve for every draw of the network.
+NetworkSurface uncertain_surface(const CurveNetwork& network, const NetworkUncertainty& of_network,
+                                 const NetworkSurfaceOptions& options = {}, const Progress& progress = {});
 
 /// What curves became.
 struct CurvesSurface {

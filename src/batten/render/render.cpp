@@ -246,10 +246,12 @@ void check(const Subject& subject, const RenderOptions& options) {
                           shading == Shading::MeanCurvature || shading == Shading::GaussianCurvature;
   if (needs_mesh) require(mesh != nullptr, shading, "a mesh, and there is only a network");
   if (shading == Shading::Porcupine) require(network != nullptr, shading, "a network (--network)");
-  if (shading == Shading::Error) {
-    require(subject.errors.size() > 0, shading, "a truth to measure against (--against)");
-    require(subject.errors.size() == (mesh != nullptr ? mesh->n_vertices() : network->positions.rows()),
-            shading, "one error per vertex");
+  if (shading == Shading::Error || shading == Shading::Uncertainty) {
+    const bool error = shading == Shading::Error;
+    require(subject.amounts(shading).size() > 0, shading,
+            error ? "a truth to measure against (--against)" : "a file written with --uncertainty");
+    const Eigen::Index n = mesh != nullptr ? mesh->n_vertices() : network->positions.rows();
+    require(subject.amounts(shading).size() == n, shading, "one value per vertex");
   }
   if (const auto problem = options.problem()) throw InvalidInput(*problem);
 }
@@ -265,9 +267,10 @@ std::optional<Mapping> mapping_of(const Subject& subject, const RenderOptions& o
   const Shading shading = options.shading;
   Eigen::VectorXd values;
   ColourScale scale;
-  if (shading == Shading::Error) {
-    values = subject.errors * subject.error_scale;
-    scale = detail::error_scale(values, subject.error_unit, options.range);
+  if (shading == Shading::Error || shading == Shading::Uncertainty) {
+    const bool error = shading == Shading::Error;
+    values = subject.amounts(shading) * (error ? subject.error_scale : 1);
+    scale = detail::error_scale(values, error ? subject.error_unit : "deviation", options.range);
   } else if (shading == Shading::MeanCurvature || shading == Shading::GaussianCurvature) {
     const bool gaussian = shading == Shading::GaussianCurvature;
     values = curvature_values(*subject.mesh, gaussian);
@@ -309,7 +312,7 @@ struct Picture {
       add_points(on_curves, points);
     }
     add_points(framed, on_curves);
-    const bool coloured = shading == Shading::Error && subject.mesh == nullptr;
+    const bool coloured = mapping && subject.mesh == nullptr;
     add_tubes(scene, network, (subject.mesh == nullptr ? 1.5 : 1.0) * radius,
               coloured ? &mapping->values : nullptr, coloured ? &mapping->table : nullptr);
     if (shading == Shading::Porcupine)
@@ -361,6 +364,7 @@ class SurfaceShader {
       case Shading::MeanCurvature:
       case Shading::GaussianCurvature:
       case Shading::Error:
+      case Shading::Uncertainty:
         return lighting_.mapped(n, mapping_->table(value(hit)));
     }
     return kGrey;

@@ -26,6 +26,7 @@ enum class Shading {
   GaussMap,           ///< the normals as points of the unit sphere (S fig. 2.2, 3.4)
   Porcupine,          ///< normals of the network scaled by its curvature (S fig. 3.12)
   Error,              ///< distance to a truth, given per vertex
+  Uncertainty,        ///< standard deviations per vertex: the value `uncertainty` of a mesh, or given
 };
 
 constexpr auto choices_of(Shading) {
@@ -38,7 +39,8 @@ constexpr auto choices_of(Shading) {
                                       {Shading::GaussianCurvature, "gaussian-curvature"},
                                       {Shading::GaussMap, "gauss-map"},
                                       {Shading::Porcupine, "porcupine"},
-                                      {Shading::Error, "error"}});
+                                      {Shading::Error, "error"},
+                                      {Shading::Uncertainty, "uncertainty"}});
 }
 
 /// What is drawn. A mesh, a network, or a network upon a mesh.
@@ -51,6 +53,11 @@ struct Subject {
   /// Divides the errors for the colour bar, with its unit: 100 / diameter and "% of the diameter".
   double error_scale = 1;
   std::string error_unit = "distance";
+  /// For Shading::Uncertainty, per vertex as the errors; empty: the value `uncertainty` of the mesh.
+  Eigen::VectorXd uncertainty = {};
+
+  /// The values per vertex behind Shading::Error or Shading::Uncertainty; empty where there are none.
+  const Eigen::VectorXd& amounts(Shading shading) const;
 };
 
 struct RenderOptions {

@@ -56,6 +56,10 @@ std::vector<ReportPicture> exhibit_pictures(const Exhibit& exhibit, const Progre
     add(subject, {Shading::Error, "Distance to the truth", "In per cent of the diameter of the truth."},
         true);
   }
+  if (mesh != nullptr && mesh->vertex_values.count("uncertainty") > 0)
+    add(subject,
+        {Shading::Uncertainty, "How sure", "Standard deviation across the surface, in the unit of the file."},
+        true);
   if (mesh != nullptr) {
     for (const Picture& picture : kMeshPictures) add({.mesh = mesh}, picture, false);
   }
