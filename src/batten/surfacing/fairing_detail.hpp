@@ -95,6 +95,13 @@ void curvature_target(const FairingSystems& systems, const Triangles& around, bo
 
 /// The triangle looks away from the sum of the normals N of its corners.
 bool is_folded(const Points& X, const Points& N, const Triangles& triangles, Eigen::Index triangle);
+/// All of them, ascending.
+std::vector<int> all_folded(const Points& X, const Points& N, const Triangles& triangles);
+
+/// Per patch: more than a thousandth of its area is folded. Fewer are slivers beside samples that lie close
+/// together, which no other layout would mend.
+std::vector<char> folded_patches(const Points& X, const Points& N, const Triangles& triangles,
+                                 const std::vector<int>& patch_of_triangle, std::size_t n_patches);
 
 /// How many triangles are folded, and how many have an angle below half a degree.
 struct Soundness {

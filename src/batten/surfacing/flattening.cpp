@@ -5,6 +5,7 @@
 
 #include <Eigen/Dense>
 
+#include "batten/core/index.hpp"
 #include "batten/core/text.hpp"
 #include "batten/linalg/held_unknowns.hpp"
 #include "batten/mesh/normals.hpp"
@@ -24,10 +25,6 @@ constexpr std::size_t kMostPairs = 100000;
 constexpr double kFoldedArea = 1e-3;
 /// Solves of the membrane: the first with equal weights, then with those of the last shape.
 constexpr int kMembranePasses = 3;
-
-size_t at(Index i) {
-  return static_cast<size_t>(i);
-}
 
 class Flattener {
  public:
@@ -155,8 +152,8 @@ FlatteningReport flatten_crossing_patches(SurfaceResult& surface, const Progress
     N = flattener.normals(X, marked);
     n_crossings = flattener.find_bad(X, N, bad);
   }
-  int folded = 0;
-  for (Index f = 0; f < surface.mesh.triangles.rows(); ++f) folded += flattener.is_folded(X, N, f);
+  std::vector<int> turned = detail::all_folded(X, N, surface.mesh.triangles);
+  const auto folded = static_cast<int>(turned.size());
   const bool gained = n_crossings + static_cast<std::size_t>(folded) <
                       report.crossings_before + static_cast<std::size_t>(surface.folded_triangles);
   if (!gained) return report;
@@ -170,6 +167,7 @@ FlatteningReport flatten_crossing_patches(SurfaceResult& surface, const Progress
   surface.mesh.positions = X;
   surface.mesh.normals = N;
   surface.folded_triangles = folded;
+  surface.folded = std::move(turned);
   const auto counts_folds = [](const std::string& warning) {
     return warning.find("triangles are turned away") != std::string::npos;
   };

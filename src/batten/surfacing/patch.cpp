@@ -11,6 +11,7 @@
 #include "batten/core/text.hpp"
 #include "batten/core/units.hpp"
 #include "batten/surfacing/fill_loop_detail.hpp"
+#include "batten/surfacing/layout_detail.hpp"
 #include "batten/surfacing/patch_detail.hpp"
 #include "batten/surfacing/tessellation_detail.hpp"
 
@@ -21,18 +22,14 @@ namespace {
 using Eigen::RowVector3d;
 using Eigen::Vector3d;
 
-/// Plane coordinates are in units of the mean edge of the patch, which no motion of the network changes, and
-/// rounded to this grid, so that moved, scaled and renumbered input gives the very same points: ties of the
-/// Delaunay triangulation, frequent on symmetric networks, then break the same way.
-constexpr double kGrid = 0.7548776662466927e-7;
-double on_grid(double x) {
-  return std::round(x / kGrid) * kGrid;
-}
-
 /// Edges inside a patch ÷ mean edge of its loops. S 4.4.2 bounds areas by h²/2, which this makes h²/4:
 /// vertices keep their distance to the true surface, while the flat triangles between them come half as far
 /// from it.
 constexpr double kInnerEdge = 0.7071067811865476;
+
+/// A plane that shows some edge of the outline at less than this part of its length crowds the triangles
+/// there, which stand in space as needles: at an angle of 60° to the plane they are twice as long.
+constexpr double kLeastShown = 0.5;
 
 /// Triangles of a large patch per square of its inner edge length, seen on tori and spheres: 2.4 to 2.7.
 constexpr double kTrianglesPerSquare = 2.5;
@@ -47,40 +44,6 @@ double mean_edge(const ScaledNetwork& network, const NetworkCycle& cycle) {
                  .norm();
   return sum / static_cast<double>(count);
 }
-
-/// Where a loop begins, from its shape alone, so that a rotated network is laid out alike: the vertex
-/// farthest from the centre, then the one with the most distant neighbours; ties (symmetric patches) by the
-/// given order.
-std::size_t intrinsic_start(const ScaledNetwork& network, const std::vector<int>& loop,
-                            const RowVector3d& centre, double unit) {
-  const auto n = static_cast<std::ptrdiff_t>(loop.size());
-  const auto key = [&](std::ptrdiff_t i, std::ptrdiff_t reach) {
-    const auto distance = [&](std::ptrdiff_t j) {
-      return (network.positions.row(loop[static_cast<std::size_t>(((j % n) + n) % n)]) - centre).norm();
-    };
-    // In units that a rotation keeps (the scale of the network is that of its box): near ties, frequent on
-    // symmetric networks with rounded coordinates, then stay as they were.
-    return std::llround((distance(i - reach) + distance(i + reach)) / (unit * kGrid));
-  };
-  std::ptrdiff_t best = 0;
-  for (std::ptrdiff_t i = 1; i < n; ++i)
-    for (const std::ptrdiff_t reach :
-         {std::ptrdiff_t{0}, std::ptrdiff_t{1}, std::ptrdiff_t{2}, n / 5, n / 3}) {
-      const long long a = key(i, reach), b = key(best, reach);
-      if (a > b) best = i;
-      if (a != b) break;
-    }
-  return static_cast<std::size_t>(best);
-}
-
-/// A region of the plane with what its corners stand for.
-struct LaidOut {
-  PlaneRegion region;
-  std::vector<int> network_vertices;
-  int n_inner = 0;                    ///< corners that are no network vertices: those of cuts
-  std::vector<int> vertex_of_corner;  ///< local numbers of PatchMesh; empty: corner i is network vertex i
-  bool mirrored = false;              ///< the region is the mirror image of the patch seen from outside
-};
 
 LaidOut lay_out_in_plane(const ScaledNetwork& network, const NetworkCycle& cycle, double unit) {
   RowVector3d centre = RowVector3d::Zero(), normal = RowVector3d::Zero();
@@ -348,6 +311,47 @@ bool fill_plane(const LaidOut& laid_out, double edge, double unit, PatchMesh& me
   return true;
 }
 
+PatchMesh mesh_patch_in_space(const ScaledNetwork& network, const NetworkCycle& cycle, int patch,
+                              double edge) {
+  PatchMesh mesh;
+  mesh.layout = PatchLayout::Space;
+  std::string problem;
+  if (!fill_loops(network.positions, network.normals, cycle,
+                  edge > 0 ? edge : kInnerEdge * mean_edge(network, cycle), mesh, problem))
+    throw InvalidInput(
+        concat(patch_name(cycle, patch), " cannot be filled: ", problem, "; split it with another curve"));
+  return mesh;
+}
+
+/// The normals of both loops together point into no common direction: the patch is a tube rather than a disc
+/// with a hole.
+bool is_tube(const ScaledNetwork& network, const NetworkCycle& cycle) {
+  RowVector3d sum = RowVector3d::Zero();
+  std::size_t count = 0;
+  for (const NetworkCycle::Loop& loop : cycle.loops)
+    for (const int v : loop.vertices) {
+      sum += network.normals.row(v);
+      ++count;
+    }
+  return sum.norm() < 0.5 * static_cast<double>(count);
+}
+
+/// The least part of its length that an edge of the outline shows in the plane.
+double least_shown(const ScaledNetwork& network, const NetworkCycle& cycle, const LaidOut& laid_out,
+                   double unit) {
+  std::map<int, Eigen::RowVector2d> place;
+  for (std::size_t i = 0; i < laid_out.network_vertices.size(); ++i)
+    place[laid_out.network_vertices[i]] = laid_out.region.corners.row(static_cast<Eigen::Index>(i));
+  const std::vector<int>& loop = cycle.loops.front().vertices;
+  double least = 1;
+  for (std::size_t i = 0; i < loop.size(); ++i) {
+    const int a = loop[i], b = loop[(i + 1) % loop.size()];
+    const double length = (network.positions.row(b) - network.positions.row(a)).norm() / unit;
+    if (length > 0) least = std::min(least, (place[b] - place[a]).norm() / length);
+  }
+  return least;
+}
+
 }  // namespace
 
 std::string patch_name(const NetworkCycle& cycle, int patch) {
@@ -376,33 +380,8 @@ double estimated_triangles(const ScaledNetwork& network, const NetworkCycle& cyc
   return count + kTrianglesPerSquare * area / (edge * edge);
 }
 
-PatchMesh mesh_patch_in_space(const ScaledNetwork& network, const NetworkCycle& cycle, int patch,
-                              double edge) {
-  PatchMesh mesh;
-  mesh.layout = PatchLayout::Space;
-  std::string problem;
-  if (!fill_loops(network.positions, network.normals, cycle,
-                  edge > 0 ? edge : kInnerEdge * mean_edge(network, cycle), mesh, problem))
-    throw InvalidInput(
-        concat(patch_name(cycle, patch), " cannot be filled: ", problem, "; split it with another curve"));
-  return mesh;
-}
-
-/// The normals of both loops together point into no common direction: the patch is a tube rather than a disc
-/// with a hole.
-static bool is_tube(const ScaledNetwork& network, const NetworkCycle& cycle) {
-  RowVector3d sum = RowVector3d::Zero();
-  std::size_t count = 0;
-  for (const NetworkCycle::Loop& loop : cycle.loops)
-    for (const int v : loop.vertices) {
-      sum += network.normals.row(v);
-      ++count;
-    }
-  return sum.norm() < 0.5 * static_cast<double>(count);
-}
-
 PatchMesh mesh_patch(const ScaledNetwork& network, const NetworkCycle& cycle, int patch, PatchMap map,
-                     double edge, std::string& warning) {
+                     double edge, PatchLayout wanted, std::string& warning) {
   const double unit = mean_edge(network, cycle);
   if (!(edge > 0)) edge = kInnerEdge * unit;
   for (const NetworkCycle::Loop& loop : cycle.loops)
@@ -412,16 +391,32 @@ PatchMesh mesh_patch(const ScaledNetwork& network, const NetworkCycle& cycle, in
                  " vertices; a patch needs at least three, so sample its curves more densely"));
   PatchMesh mesh;
   std::string problem;
+  const bool one_loop = cycle.loops.size() == 1;
+  const auto fill = [&](PatchLayout layout, const LaidOut& laid_out) {
+    mesh.layout = layout;
+    return fill_plane(laid_out, edge, unit, mesh, problem);
+  };
+  const auto fill_unrolled = [&] {
+    const auto laid_out = one_loop ? lay_out_unrolled(network, cycle, unit) : std::nullopt;
+    return laid_out && fill(PatchLayout::Unrolled, *laid_out);
+  };
+  if (wanted == PatchLayout::Unrolled && fill_unrolled()) return mesh;
+  if (wanted >= PatchLayout::Unrolled) {
+    warning =
+        concat(patch_name(cycle, patch), " folded over from its plane layout; it was triangulated in space");
+    return mesh_patch_in_space(network, cycle, patch, edge);
+  }
   if (cycle.loops.size() == 2 && is_tube(network, cycle)) {
-    mesh.layout = PatchLayout::Strip;
-    if (fill_plane(lay_out_strip(network, cycle, edge, unit), edge, unit, mesh, problem)) return mesh;
+    if (fill(PatchLayout::Strip, lay_out_strip(network, cycle, edge, unit))) return mesh;
   } else if (map == PatchMap::Plane) {
-    mesh.layout = PatchLayout::Plane;
-    if (fill_plane(lay_out_in_plane(network, cycle, unit), edge, unit, mesh, problem)) return mesh;
-  } else if (cycle.loops.size() == 1) {
-    mesh.layout = map == PatchMap::Circle ? PatchLayout::Circle : PatchLayout::Polygon;
-    if (fill_plane(lay_out_by_length(network, cycle, map == PatchMap::Polygon, unit), edge, unit, mesh,
-                   problem))
+    const LaidOut plane = lay_out_in_plane(network, cycle, unit);
+    const bool is_steep = one_loop && least_shown(network, cycle, plane, unit) < kLeastShown;
+    if (is_steep && fill_unrolled()) return mesh;
+    if (fill(PatchLayout::Plane, plane)) return mesh;
+    if (!is_steep && fill_unrolled()) return mesh;
+  } else if (one_loop) {
+    if (fill(map == PatchMap::Circle ? PatchLayout::Circle : PatchLayout::Polygon,
+             lay_out_by_length(network, cycle, map == PatchMap::Polygon, unit)))
       return mesh;
   } else {
     problem = "it has several boundary loops";

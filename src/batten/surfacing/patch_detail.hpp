@@ -9,8 +9,8 @@
 
 namespace batten::detail {
 
-/// How a patch came to its triangles.
-enum class PatchLayout { Plane, Circle, Polygon, Strip, Space };
+/// How a patch came to its triangles. One that folds over is laid out again by a later one.
+enum class PatchLayout { Plane, Circle, Polygon, Strip, Unrolled, Space };
 
 /// The triangles of one patch, before anything is known of its shape but its loops.
 struct PatchMesh {
@@ -37,14 +37,14 @@ std::string patch_name(const NetworkCycle& cycle, int patch);
 double estimated_triangles(const ScaledNetwork& network, const NetworkCycle& cycle, double edge);
 
 /// Fills the loops of a cycle with triangles of about `edge` length (in diameters; 0: the mean edge of the
-/// loops). Tries the wanted map, then the triangulation in space. `warning` says in words what was changed.
+/// loops).
+/// @param wanted Unrolled or Space: that layout, for patches that folded over otherwise; what cannot be
+/// unrolled is triangulated in space. Others: the wanted map, then other layouts, the triangulation in space
+/// last; `warning` says in words what was changed. A plane that would show edges of the outline at less than
+/// half their length gives way to the rolled out outline at once.
 /// @throws InvalidInput naming the patch when it cannot be filled.
 PatchMesh mesh_patch(const ScaledNetwork& network, const NetworkCycle& cycle, int patch, PatchMap map,
-                     double edge, std::string& warning);
-
-/// The same by the triangulation in space alone, for patches that folded over otherwise.
-PatchMesh mesh_patch_in_space(const ScaledNetwork& network, const NetworkCycle& cycle, int patch,
-                              double edge);
+                     double edge, PatchLayout wanted, std::string& warning);
 
 /// Patches with the same two network vertices on their borders may both have an edge straight between them,
 /// which would then have more than two triangles. Such edges, and those beside an edge of a curve, get a
@@ -52,5 +52,14 @@ PatchMesh mesh_patch_in_space(const ScaledNetwork& network, const NetworkCycle& 
 /// @param place vertices that will be welded: to what, for each of the network; empty: none will.
 void split_shared_inner_edges(std::vector<PatchMesh>& patches, const std::vector<NetworkCycle>& cycles,
                               const std::vector<int>& place = {});
+
+/// All patches as one mesh: the vertices of the network keep their numbers, those inside patches follow.
+struct JoinedPatches {
+  Triangles triangles;
+  EdgeLengths lengths;
+  std::vector<int> patch_of_triangle;
+  Eigen::Index n_vertices = 0;
+};
+JoinedPatches join_patches(const std::vector<PatchMesh>& patches, Eigen::Index n_network);
 
 }  // namespace batten::detail

@@ -87,4 +87,33 @@ void split_shared_inner_edges(std::vector<PatchMesh>& patches, const std::vector
   }
 }
 
+JoinedPatches join_patches(const std::vector<PatchMesh>& patches, Eigen::Index n_network) {
+  JoinedPatches joined;
+  joined.n_vertices = n_network;
+  Eigen::Index m = 0;
+  for (const PatchMesh& patch : patches) {
+    joined.n_vertices += patch.n_inner;
+    m += patch.triangles.rows();
+  }
+  joined.triangles.resize(m, 3);
+  joined.lengths.resize(m, 3);
+  Eigen::Index row = 0;
+  auto next = static_cast<int>(n_network);
+  for (std::size_t p = 0; p < patches.size(); ++p) {
+    const PatchMesh& patch = patches[p];
+    const auto n_outline = static_cast<int>(patch.network_vertices.size());
+    for (Eigen::Index f = 0; f < patch.triangles.rows(); ++f, ++row) {
+      for (int k = 0; k < 3; ++k) {
+        const int v = patch.triangles(f, k);
+        joined.triangles(row, k) =
+            v < n_outline ? patch.network_vertices[static_cast<std::size_t>(v)] : next + v - n_outline;
+      }
+      joined.lengths.row(row) = patch.lengths.row(f);
+      joined.patch_of_triangle.push_back(static_cast<int>(p));
+    }
+    next += patch.n_inner;
+  }
+  return joined;
+}
+
 }  // namespace batten::detail

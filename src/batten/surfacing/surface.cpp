@@ -13,6 +13,7 @@
 #include "batten/operators/curvature.hpp"
 #include "batten/surfacing/fairing_detail.hpp"
 #include "batten/surfacing/patch_detail.hpp"
+#include "batten/surfacing/relaxation_detail.hpp"
 #include "batten/surfacing/surface_input_detail.hpp"
 #include "batten/surfacing/surface_move_detail.hpp"
 #include "batten/surfacing/welded_sides_detail.hpp"
@@ -38,6 +39,8 @@ constexpr int kMostRebuilds = 3;
 constexpr double kMoveThatEnds = 2e-4;
 /// Passes of the normals towards the map into the sphere; the second changes them by some 0.01°.
 constexpr int kNormalPasses = 2;
+/// Times that needles are evened out and the surface solved for again.
+constexpr int kRelaxations = 3;
 /// Soft constraints: weight 1 stands for (2π / 0.15)³, see SurfaceOptions::soft_weight.
 constexpr double kSoftUnit = 7.3e4;
 
@@ -68,9 +71,9 @@ struct SurfaceSolver::Implementation {
   std::vector<NetworkCycle> cycles;
   SurfaceResult result;
   Triangles triangles;
-  EdgeLengths layout_lengths;
+  EdgeLengths layout_lengths, metric_lengths;  ///< the latter those of the last solve
   std::unique_ptr<FairingSystems> systems;
-  std::vector<char> border;
+  std::vector<char> held, border;
   Points positions, normals;  ///< of all vertices, in diameters; normals propagated
   bool metric_from_layout = true;
   CurveNetwork uncut;  ///< where `network` was cut open along sharp curves: as it came, and its patches
@@ -103,27 +106,35 @@ struct SurfaceSolver::Implementation {
                    "between their neighbours; resample the network to use them all"));
     }
     check_size();
-    std::vector<char> in_space(cycles.size(), 0);
-    make(in_space, progress);
-    const std::vector<char> folded = folded_patches();
-    if (std::find(folded.begin(), folded.end(), 1) != folded.end()) {
-      // A patch that folded over gets another layout, once; where that is no better, the first is kept.
-      const int before = soundness_of(positions, normals, triangles).folded;
-      std::vector<char> retry = in_space;
-      for (std::size_t p = 0; p < cycles.size(); ++p)
-        if (folded[p]) retry[p] = 1;
-      bool better = false;
-      if (retry != in_space) {
-        try {
-          make(retry, progress);
-          better = soundness_of(positions, normals, triangles).folded < before;
-        } catch (const InvalidInput&) {  // not to be filled in space
-        } catch (const SolverFailure&) {
-        }
-        if (!better) make(in_space, progress);
-      }
-    }
+    lay_out(progress);
+    relax();
     finish();
+  }
+
+  /// Triangles and shape. Patches that folded over get another layout, twice at most; where that is no
+  /// better, what was before is kept.
+  void lay_out(const Progress& progress) {
+    std::vector<PatchLayout> layouts(cycles.size(), PatchLayout::Plane);
+    make(layouts, progress);
+    for (int attempt = 0; attempt < 2; ++attempt) {
+      const std::vector<char> folded =
+          detail::folded_patches(positions, normals, triangles, result.patch_of_triangle, cycles.size());
+      const int before = soundness_of(positions, normals, triangles).folded;
+      std::vector<PatchLayout> retry = layouts;
+      for (std::size_t p = 0; p < cycles.size(); ++p)
+        if (folded[p])
+          retry[p] = layouts[p] < PatchLayout::Unrolled ? PatchLayout::Unrolled : PatchLayout::Space;
+      if (retry == layouts) return;
+      bool better = false;
+      try {
+        make(retry, progress);
+        better = soundness_of(positions, normals, triangles).folded < before;
+      } catch (const InvalidInput&) {  // not to be filled in space
+      } catch (const SolverFailure&) {
+      }
+      if (!better) return make(layouts, progress);
+      layouts = std::move(retry);
+    }
   }
 
   /// Along sharp curves the sides are filled apart; finish() welds them.
@@ -150,16 +161,16 @@ struct SurfaceSolver::Implementation {
                                 "; take longer edges (option edge-length), or allow more (max-triangles)"));
   }
 
-  void make(std::vector<char>& in_space, const Progress& progress) {
-    tessellate(in_space, progress);
+  void make(std::vector<PatchLayout>& layouts, const Progress& progress) {
+    tessellate(layouts, progress);
     solve(progress);
   }
 
-  void tessellate(std::vector<char>& in_space, const Progress& progress) {
+  /// @param layouts wanted ones, each replaced by the one that the patch got.
+  void tessellate(std::vector<PatchLayout>& layouts, const Progress& progress) {
     ScopedStage stage(result.times, "tessellation");
     const double edge = options.edge_length / scaled_network.diameter;
     std::vector<PatchMesh> patches;
-    Index n = network.positions.rows(), m = 0;
     result.patches_in_space = 0;
     std::vector<std::string> warnings;
     for (std::size_t p = 0; p < cycles.size(); ++p) {
@@ -167,48 +178,27 @@ struct SurfaceSolver::Implementation {
       std::string warning;
       PatchMesh patch;
       try {
-        if (in_space[p]) {
-          patch = mesh_patch_in_space(scaled_network, cycles[p], static_cast<int>(p), edge);
-          warning = concat(detail::patch_name(cycles[p], static_cast<int>(p)),
-                           " folded over from its plane layout; it was triangulated in space");
-        } else {
-          patch = mesh_patch(scaled_network, cycles[p], static_cast<int>(p), options.map, edge, warning);
-          in_space[p] = patch.layout == PatchLayout::Space;
-        }
+        patch = mesh_patch(scaled_network, cycles[p], static_cast<int>(p), options.map, edge, layouts[p],
+                           warning);
+        layouts[p] = patch.layout;
       } catch (const InvalidInput& problem) {
-        if (!cycles_are_given || in_space[p]) throw;  // a second layout may fail, the first stands
+        if (!cycles_are_given || layouts[p] >= PatchLayout::Unrolled)
+          throw;  // a second layout may fail, the first stands
         patch = PatchMesh();
         warning = concat(problem.what(), "; it was left open");
       }
       patches.push_back(std::move(patch));
       if (!warning.empty()) warnings.push_back(warning);
-      result.patches_in_space += in_space[p];
+      result.patches_in_space += patches.back().layout == PatchLayout::Space;
     }
     detail::split_shared_inner_edges(patches, cycles, place);
-    for (const PatchMesh& patch : patches) {
-      n += patch.n_inner;
-      m += patch.triangles.rows();
-    }
+    const detail::JoinedPatches joined = detail::join_patches(patches, network.positions.rows());
     patch_warnings = std::move(warnings);
-    if (m == 0) throw InvalidInput(patch_warnings.front());
-    triangles.resize(m, 3);
-    layout_lengths.resize(m, 3);
-    result.patch_of_triangle.assign(static_cast<std::size_t>(m), 0);
-    Index row = 0;
-    int next = static_cast<int>(network.positions.rows());
-    for (std::size_t p = 0; p < patches.size(); ++p) {
-      const PatchMesh& patch = patches[p];
-      const auto n_network = static_cast<int>(patch.network_vertices.size());
-      for (Index f = 0; f < patch.triangles.rows(); ++f, ++row) {
-        for (int k = 0; k < 3; ++k) {
-          const int v = patch.triangles(f, k);
-          triangles(row, k) = v < n_network ? patch.network_vertices[at(v)] : next + v - n_network;
-        }
-        layout_lengths.row(row) = patch.lengths.row(f);
-        result.patch_of_triangle[at(row)] = static_cast<int>(p);
-      }
-      next += patch.n_inner;
-    }
+    if (joined.triangles.rows() == 0) throw InvalidInput(patch_warnings.front());
+    triangles = joined.triangles;
+    layout_lengths = joined.lengths;
+    result.patch_of_triangle = joined.patch_of_triangle;
+    const Index n = joined.n_vertices;
     border = border_vertices(triangles, n);
     result.on_network.assign(static_cast<std::size_t>(n), 0);
     for (const NetworkCurve& curve : network.curves)
@@ -216,27 +206,16 @@ struct SurfaceSolver::Implementation {
     // Vertices of the network that no curve uses keep their place; they are in no triangle and in no system.
     std::vector<char> fixed = result.on_network;
     for (Index v = 0; v < network.positions.rows(); ++v) fixed[at(v)] = 1;
-    systems = std::make_unique<FairingSystems>(fixed, border, soft_weights(n));
+    held = std::move(fixed);
+    systems = std::make_unique<FairingSystems>(held, border, soft_weights(n));
     positions = Points::Zero(n, 3);
     normals = Points::Zero(n, 3);
     take_network();
   }
 
-  /// Each vertex of a curve weighs as much as the piece of curve that it stands for.
   Eigen::VectorXd soft_weights(Index n) const {
     if (!options.soft_constraints) return {};
-    Eigen::VectorXd weights = Eigen::VectorXd::Zero(n);
-    for (const NetworkCurve& curve : network.curves)
-      for (std::size_t i = 0; i + 1 < curve.vertices.size(); ++i) {
-        const int a = curve.vertices[i], b = curve.vertices[i + 1];
-        const double length = (scaled_network.positions.row(a) - scaled_network.positions.row(b)).norm();
-        weights[a] += 0.5 * length * kSoftUnit * options.soft_weight;
-        weights[b] += 0.5 * length * kSoftUnit * options.soft_weight;
-      }
-    // Unused vertices of the network would make the system singular.
-    for (Index v = 0; v < network.positions.rows(); ++v)
-      if (weights[v] == 0) weights[v] = 1;
-    return weights;
+    return detail::soft_weights(network, scaled_network, n, kSoftUnit * options.soft_weight);
   }
 
   void take_network() {
@@ -318,7 +297,7 @@ struct SurfaceSolver::Implementation {
     const int most =
         automatic ? (options.method == SurfaceMethod::Curvature ? kMostRebuilds : 0) : options.rebuilds;
     Soundness soundness = soundness_of(positions, normals, triangles);
-    EdgeLengths kept_lengths = layout_lengths;
+    metric_lengths = layout_lengths;
     for (int rebuild = 1; rebuild <= most; ++rebuild) {
       progress.report("geometry", static_cast<double>(rebuild) / (most + 1));
       const Points old_positions = positions, old_normals = normals;
@@ -344,34 +323,55 @@ struct SurfaceSolver::Implementation {
         positions = old_positions;
         normals = old_normals;
         metric_from_layout = old_metric;
-        systems->set_metric(triangles, kept_lengths);
+        systems->set_metric(triangles, metric_lengths);
         if (!automatic)
           result.warnings.push_back(concat("rebuild ", rebuild, " of the Laplacian was refused: ", refusal));
         break;
       }
       soundness = now;
-      kept_lengths = lengths;
+      metric_lengths = lengths;
       result.rebuilds = rebuild;
       result.last_move = move;
       if (automatic && move < kMoveThatEnds) break;
     }
   }
 
-  /// Patches of which more than a thousandth of the area is folded: fewer are slivers beside samples that lie
-  /// close together, which no other layout would mend.
-  std::vector<char> folded_patches() const {
-    std::vector<double> folded_area(cycles.size(), 0), area(cycles.size(), 0);
-    for (Index f = 0; f < triangles.rows(); ++f) {
-      const RowVector3d a = positions.row(triangles(f, 0)), b = positions.row(triangles(f, 1)),
-                        c = positions.row(triangles(f, 2));
-      const double size = (b - a).cross(c - a).norm();
-      const auto p = static_cast<std::size_t>(result.patch_of_triangle[at(f)]);
-      area[p] += size;
-      if (detail::is_folded(positions, normals, triangles, f)) folded_area[p] += size;
+  /// Evens out needles that the layouts left, and solves again on the new triangles; where that is no better,
+  /// what was before is kept.
+  void relax() {
+    if (options.rebuilds >= 0 || options.method != SurfaceMethod::Curvature) return;
+    ScopedStage stage(result.times, "geometry");
+    const auto set_up = [&](const EdgeLengths& lengths) {
+      systems = std::make_unique<FairingSystems>(held, border, soft_weights(positions.rows()));
+      systems->set_metric(triangles, lengths);
+    };
+    for (int round = 0; round < kRelaxations; ++round) {
+      const Points old_positions = positions, old_normals = normals;
+      const Triangles old_triangles = triangles;
+      const bool old_metric = metric_from_layout;
+      const Soundness before = soundness_of(positions, normals, triangles);
+      const int needles = detail::count_needles(positions, triangles, result.on_network);
+      if (!detail::relax_triangles(positions, normals, triangles, result.on_network)) return;
+      const EdgeLengths lengths = edge_lengths(positions, triangles);
+      bool better = false;
+      try {
+        set_up(lengths);
+        metric_from_layout = false;
+        pass();
+        const Soundness now = soundness_of(positions, normals, triangles);
+        better = now.folded <= before.folded && now.degenerate <= before.degenerate &&
+                 detail::count_needles(positions, triangles, result.on_network) < needles;
+      } catch (const SolverFailure&) {  // the triangles before can be solved for
+      }
+      if (!better) {
+        positions = old_positions;
+        normals = old_normals;
+        triangles = old_triangles;
+        metric_from_layout = old_metric;
+        return set_up(metric_lengths);
+      }
+      metric_lengths = lengths;
     }
-    std::vector<char> folded(cycles.size(), 0);
-    for (std::size_t p = 0; p < cycles.size(); ++p) folded[p] = folded_area[p] > 1e-3 * area[p];
-    return folded;
   }
 
   void finish() {
@@ -380,6 +380,7 @@ struct SurfaceSolver::Implementation {
     result.warnings.insert(result.warnings.end(), patch_warnings.begin(), patch_warnings.end());
     warnings_of_build = result.warnings;
     take_soundness(soundness_of(positions, normals, triangles));
+    result.folded = detail::all_folded(positions, normals, triangles);
     result.mesh.triangles = triangles;
     result.mesh.positions = (positions * scaled_network.diameter).rowwise() + scaled_network.centre;
     // Interpolation is exact, not up to the rounding of the scaling.

@@ -69,6 +69,7 @@ struct SurfaceResult {
   int rebuilds = 0;                   ///< rebuilds done and kept
   int patches_in_space = 0;           ///< patches that no plane map could lay out
   int folded_triangles = 0;           ///< turned away from the propagated normals; 0 in a sound surface
+  std::vector<int> folded;            ///< which, ascending; of the surface as built, whatever moved since
   int degenerate_triangles = 0;       ///< with an angle below half a degree
   double last_move = 0;               ///< mean way of the vertices in the last rebuild, ÷ diameter
   std::vector<std::string> warnings;  ///< in words, with patch, curve and node

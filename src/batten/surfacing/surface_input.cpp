@@ -137,4 +137,19 @@ void check_coincident(const CurveNetwork& network, const ScaledNetwork& s,
                    " lie at the same place; merge them into one vertex so that the curves are joined"));
 }
 
+Eigen::VectorXd soft_weights(const CurveNetwork& network, const ScaledNetwork& scaled, Eigen::Index n,
+                             double unit) {
+  Eigen::VectorXd weights = Eigen::VectorXd::Zero(n);
+  for (const NetworkCurve& curve : network.curves)
+    for (std::size_t i = 0; i + 1 < curve.vertices.size(); ++i) {
+      const int a = curve.vertices[i], b = curve.vertices[i + 1];
+      const double length = (scaled.positions.row(a) - scaled.positions.row(b)).norm();
+      weights[a] += 0.5 * length * unit;
+      weights[b] += 0.5 * length * unit;
+    }
+  for (Eigen::Index v = 0; v < network.positions.rows(); ++v)
+    if (weights[v] == 0) weights[v] = 1;
+  return weights;
+}
+
 }  // namespace batten::detail

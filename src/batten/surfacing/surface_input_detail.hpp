@@ -1,6 +1,8 @@
 #pragma once
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "batten/network/curve_network.hpp"
 #include "batten/surfacing/patch_detail.hpp"
 #include "batten/surfacing/surface.hpp"
@@ -24,6 +26,12 @@ void rescale_network(const CurveNetwork& network, ScaledNetwork& scaled);
 /// closer than 0.3 of the mean step only the first keeps its normal, the others interpolate.
 /// @return how many were changed.
 int calm_crowded_normals(const CurveNetwork& network, ScaledNetwork& scaled);
+
+/// Weights of soft constraints for n vertices, those of the network first: each vertex of a curve weighs as
+/// much as the piece of curve that it stands for, in diameters, times `unit`; others of the network 1, or
+/// their system would be singular.
+Eigen::VectorXd soft_weights(const CurveNetwork& network, const ScaledNetwork& scaled, Eigen::Index n,
+                             double unit);
 
 /// Two vertices at one place make an edge of no length somewhere; says which before the mesher stumbles.
 /// Where the cycles are given, that is so only of two in one cycle: others make a crease.
