@@ -72,6 +72,7 @@ TEST(EstimateNoise, FindsTheLevelThatWasAdded) {
             estimate_noise(add_gaussian_noise(clean, mesh.triangles, level, 11), mesh.triangles);
         EXPECT_NEAR(estimate.level, level, 0.2 * level + 0.005) << scale;
         EXPECT_EQ(estimate.significance, 1);
+        EXPECT_NEAR(estimate.floor, level, 0.15 * level) << scale;
       }
 }
 
@@ -80,6 +81,7 @@ TEST(EstimateNoise, CallsCleanShapesClean) {
     const NoiseEstimate estimate = estimate_noise(mesh.positions, mesh.triangles);
     EXPECT_LT(estimate.level, 0.03);
     EXPECT_EQ(estimate.significance, 0);
+    EXPECT_LT(estimate.floor, 0.005);
   }
   EXPECT_EQ(estimate_noise(Points(0, 3), Triangles(0, 3)).level, 0);
 }

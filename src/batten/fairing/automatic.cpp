@@ -32,12 +32,34 @@ using fairing_detail::Strategy;
 /// the strategy of the whole mesh.
 constexpr double kDoubt = 8;
 
+/// Level of the calmest regions, in mean edges, up to which a mesh is clean without a trial: the normals of
+/// half as much noise turn by a degree.
+constexpr double kLeastFloor = 0.01;
+
 /// The part of an estimated noise level that is surely noise, from the level measured again on what was
 /// removed, where shape hardly shows: all of it where the two agree within the factor 0.6 (on the meshes of
 /// docs/fair.md, 0.7 and more), nothing below 0.5. There the first was the shape of a mesh of so few
 /// triangles that most of its vertices lie on edges (0.26 to 0.47 on a part of 115 vertices, clean or noisy).
 double agreement_of(double estimated, double removed) {
   return std::clamp((removed / estimated - 0.5) / 0.1, 0.0, 1.0);
+}
+
+/// The part of a noise level too faint for noise_significance() that is surely noise. Noise is as large
+/// everywhere and shape is not, so the level of the calmest regions must agree with what was removed, a mean
+/// over the mesh: within 1.25 (up to 1.15 under noise of 0.02 to 0.05, 1.35 to 2.1 on clean scans). And what
+/// the strategies would remove must be noise: both leave little of its error by Stein's estimate, or, where
+/// the calmest regions are as rough as the typical ones (within 1.06; clean shapes 1.2 to 2.9), at least one
+/// does.
+double faint_significance(const NoiseEstimate& estimate, const AutomaticFairingReport& told) {
+  if (!(estimate.floor > kLeastFloor)) return 0;
+  const auto ramp = [](double value, double full, double none) {
+    return std::clamp((none - value) / (none - full), 0.0, 1.0);
+  };
+  const auto [least, most] = std::minmax(told.risks[0], told.risks[1]);
+  const double alike = ramp(estimate.level / estimate.floor, 1.06, 1.12);
+  const double removable = std::max(ramp(most, 0.4, 0.6), std::min(alike, ramp(least, 0.5, 0.8)));
+  return std::min(
+      {removable, agreement_of(estimate.floor, told.noise), ramp(told.noise / estimate.floor, 1.25, 1.4)});
 }
 
 /// The values keep their places, which upper_median() would change.
@@ -186,17 +208,19 @@ Points fair_automatically(const Points& positions, const Triangles& triangles,
   const double edge = mean_edge_length(positions, triangles);
   if (!(edge > 0)) return positions;
   const bool refine = options.noise < 0;
+  NoiseEstimate estimate;
   if (refine) {
-    const NoiseEstimate estimate =
-        estimate_noise(positions, triangles, progress.part("preparation", 0.1, 0.3));
+    estimate = estimate_noise(positions, triangles, progress.part("preparation", 0.1, 0.3));
     told.noise = estimate.level;
-    told.significance = estimate.significance;
+    // Of noise too faint for the first rule the fit decides.
+    told.significance = estimate.floor > kLeastFloor ? 1 : estimate.significance;
   } else {
     told.noise = options.noise;
     told.significance = options.noise > 0 ? 1 : 0;
   }
   if (!(told.significance > 0)) return positions;
-  const double estimated = told.noise;
+  const bool faint = refine && estimate.significance < 1 && estimate.floor > kLeastFloor;
+  const double estimated = faint ? estimate.floor : told.noise;
   progress.report("preparation", 0.3);
   Fairer fairer(positions, triangles, std::move(fixed), progress.part("preparation", 0.3, 1));
   Trials trials = try_strategies(fairer, positions, triangles, estimated * edge, options, told, progress);
@@ -205,10 +229,12 @@ Points fair_automatically(const Points& positions, const Triangles& triangles,
   told.noise = trials.deviation / edge;
   // Where even the better strategy leaves more than a fifth of the noise's own error, what was measured is
   // partly the shape of a coarse mesh.
-  if (refine)
-    told.significance =
-        std::min({told.significance, noise_significance(estimated, told.risks[choice.winner] - 0.2),
-                  agreement_of(estimated, told.noise)});
+  if (refine) {
+    const double loud =
+        std::min({estimate.significance, noise_significance(estimate.level, told.risks[choice.winner] - 0.2),
+                  agreement_of(estimate.level, told.noise)});
+    told.significance = std::max(loud, faint_significance(estimate, told));
+  }
   if (!(told.significance > 0)) return positions;
   const Strategy& taken = *trials.strategies[choice.winner];
   const FairingRun &run = trials.runs[choice.winner], &other = trials.runs[1 - choice.winner];
