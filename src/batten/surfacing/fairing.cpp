@@ -222,19 +222,19 @@ std::vector<int> all_folded(const Points& X, const Points& N, const Triangles& t
   return folded;
 }
 
-std::vector<char> folded_patches(const Points& X, const Points& N, const Triangles& triangles,
-                                 const std::vector<int>& patch_of_triangle, std::size_t n_patches) {
-  std::vector<double> folded_area(n_patches, 0), area(n_patches, 0);
+std::vector<double> folded_shares(const Points& X, const Points& N, const Triangles& triangles,
+                                  const std::vector<int>& patch_of_triangle, std::size_t n_patches) {
+  std::vector<double> folded(n_patches, 0), area(n_patches, 0);
   for (Eigen::Index f = 0; f < triangles.rows(); ++f) {
     const Eigen::RowVector3d a = X.row(triangles(f, 0)), b = X.row(triangles(f, 1)),
                              c = X.row(triangles(f, 2));
     const double size = (b - a).cross(c - a).norm();
     const std::size_t p = at(patch_of_triangle[at(f)]);
     area[p] += size;
-    if (is_folded(X, N, triangles, f)) folded_area[p] += size;
+    if (is_folded(X, N, triangles, f)) folded[p] += size;
   }
-  std::vector<char> folded(n_patches, 0);
-  for (std::size_t p = 0; p < n_patches; ++p) folded[p] = folded_area[p] > 1e-3 * area[p];
+  for (std::size_t p = 0; p < n_patches; ++p)
+    if (area[p] > 0) folded[p] /= area[p];
   return folded;
 }
 

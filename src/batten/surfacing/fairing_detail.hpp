@@ -98,10 +98,12 @@ bool is_folded(const Points& X, const Points& N, const Triangles& triangles, Eig
 /// All of them, ascending.
 std::vector<int> all_folded(const Points& X, const Points& N, const Triangles& triangles);
 
-/// Per patch: more than a thousandth of its area is folded. Fewer are slivers beside samples that lie close
-/// together, which no other layout would mend.
-std::vector<char> folded_patches(const Points& X, const Points& N, const Triangles& triangles,
-                                 const std::vector<int>& patch_of_triangle, std::size_t n_patches);
+/// The part of its area that is folded, per patch.
+std::vector<double> folded_shares(const Points& X, const Points& N, const Triangles& triangles,
+                                  const std::vector<int>& patch_of_triangle, std::size_t n_patches);
+/// A patch counts as folded above this share: less are slivers beside samples that lie close together, which
+/// no other layout would mend.
+constexpr double kFoldedShare = 1e-3;
 
 /// How many triangles are folded, and how many have an angle below half a degree.
 struct Soundness {

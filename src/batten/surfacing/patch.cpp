@@ -380,10 +380,9 @@ double estimated_triangles(const ScaledNetwork& network, const NetworkCycle& cyc
   return count + kTrianglesPerSquare * area / (edge * edge);
 }
 
-PatchMesh mesh_patch(const ScaledNetwork& network, const NetworkCycle& cycle, int patch, PatchMap map,
-                     double edge, PatchLayout wanted, std::string& warning) {
-  const double unit = mean_edge(network, cycle);
-  if (!(edge > 0)) edge = kInnerEdge * unit;
+PatchMesh mesh_patch(const ScaledNetwork& network, const NetworkCycle& cycle, int patch,
+                     const PatchFilling& filling, std::string& warning) {
+  const double unit = mean_edge(network, cycle), edge = filling.edge > 0 ? filling.edge : kInnerEdge * unit;
   for (const NetworkCycle::Loop& loop : cycle.loops)
     if (loop.vertices.size() < 3)
       throw InvalidInput(
@@ -400,23 +399,25 @@ PatchMesh mesh_patch(const ScaledNetwork& network, const NetworkCycle& cycle, in
     const auto laid_out = one_loop ? lay_out_unrolled(network, cycle, unit) : std::nullopt;
     return laid_out && fill(PatchLayout::Unrolled, *laid_out);
   };
-  if (wanted == PatchLayout::Unrolled && fill_unrolled()) return mesh;
-  if (wanted >= PatchLayout::Unrolled) {
+  if (filling.attempt == 2) {
     warning =
         concat(patch_name(cycle, patch), " folded over from its plane layout; it was triangulated in space");
     return mesh_patch_in_space(network, cycle, patch, edge);
   }
   if (cycle.loops.size() == 2 && is_tube(network, cycle)) {
     if (fill(PatchLayout::Strip, lay_out_strip(network, cycle, edge, unit))) return mesh;
-  } else if (map == PatchMap::Plane) {
+  } else if (filling.map == PatchMap::Plane) {
     const LaidOut plane = lay_out_in_plane(network, cycle, unit);
-    const bool is_steep = one_loop && least_shown(network, cycle, plane, unit) < kLeastShown;
-    if (is_steep && fill_unrolled()) return mesh;
+    const bool is_steep =
+        filling.normals_are_measured && one_loop && least_shown(network, cycle, plane, unit) < kLeastShown;
+    const bool unrolled_first = is_steep == (filling.attempt == 0);
+    if (unrolled_first && fill_unrolled()) return mesh;
     if (fill(PatchLayout::Plane, plane)) return mesh;
-    if (!is_steep && fill_unrolled()) return mesh;
+    if (!unrolled_first && filling.normals_are_measured && fill_unrolled()) return mesh;
   } else if (one_loop) {
-    if (fill(map == PatchMap::Circle ? PatchLayout::Circle : PatchLayout::Polygon,
-             lay_out_by_length(network, cycle, map == PatchMap::Polygon, unit)))
+    if (filling.attempt > 0 && fill_unrolled()) return mesh;
+    if (fill(filling.map == PatchMap::Circle ? PatchLayout::Circle : PatchLayout::Polygon,
+             lay_out_by_length(network, cycle, filling.map == PatchMap::Polygon, unit)))
       return mesh;
   } else {
     problem = "it has several boundary loops";

@@ -9,7 +9,7 @@
 
 namespace batten::detail {
 
-/// How a patch came to its triangles. One that folds over is laid out again by a later one.
+/// How a patch came to its triangles.
 enum class PatchLayout { Plane, Circle, Polygon, Strip, Unrolled, Space };
 
 /// The triangles of one patch, before anything is known of its shape but its loops.
@@ -36,15 +36,25 @@ std::string patch_name(const NetworkCycle& cycle, int patch);
 /// their middle.
 double estimated_triangles(const ScaledNetwork& network, const NetworkCycle& cycle, double edge);
 
-/// Fills the loops of a cycle with triangles of about `edge` length (in diameters; 0: the mean edge of the
-/// loops).
-/// @param wanted Unrolled or Space: that layout, for patches that folded over otherwise; what cannot be
-/// unrolled is triangulated in space. Others: the wanted map, then other layouts, the triangulation in space
-/// last; `warning` says in words what was changed. A plane that would show edges of the outline at less than
-/// half their length gives way to the rolled out outline at once.
+/// How mesh_patch() is to fill a patch.
+struct PatchFilling {
+  PatchMap map = PatchMap::Plane;
+  double edge =
+      0;  ///< length of the edges inside, about, in diameters; 0: 0.71 of the mean edge of the loops
+  /// 0: the wanted map, then other layouts, the triangulation in space last; a plane that would show edges of
+  /// the outline at less than half their length comes after the rolled out outline. For patches that folded
+  /// over, 1: the rolled out outline, or the plane where that was it; 2: in space.
+  int attempt = 0;
+  /// Turning angles of outlines can be trusted. Where normals are estimates nothing is rolled out but what
+  /// folded over.
+  bool normals_are_measured = true;
+};
+
+/// Fills the loops of a cycle with triangles. `warning` says in words what was changed.
 /// @throws InvalidInput naming the patch when it cannot be filled.
-PatchMesh mesh_patch(const ScaledNetwork& network, const NetworkCycle& cycle, int patch, PatchMap map,
-                     double edge, PatchLayout wanted, std::string& warning);
+PatchMesh mesh_patch(const ScaledNetwork& network, const NetworkCycle& cycle, int patch,
+                     const PatchFilling& filling, std::string& warning);
+constexpr int kLayoutAttempts = 3;
 
 /// Patches with the same two network vertices on their borders may both have an edge straight between them,
 /// which would then have more than two triangles. Such edges, and those beside an edge of a curve, get a

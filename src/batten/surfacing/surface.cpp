@@ -32,8 +32,8 @@ using detail::soundness_of;
 using Eigen::Index;
 using Eigen::RowVector3d;
 
-/// Most rebuilds when the criterion decides. The way of the vertices shrinks some tenfold with each.
-constexpr int kMostRebuilds = 3;
+/// Most rebuilds when the criterion decides: their ways shrink tenfold, by half where few curves bend far.
+constexpr int kMostRebuilds = 6;
 /// A rebuild that moved the vertices by less than this mean way (÷ diameter) was the last: the next would
 /// move them by about a tenth of it, 0.002 %, a tenth of the distance between a chord of 2 % and its arc.
 constexpr double kMoveThatEnds = 2e-4;
@@ -45,24 +45,6 @@ constexpr int kRelaxations = 3;
 constexpr double kSoftUnit = 7.3e4;
 
 }  // namespace
-
-std::optional<std::string> SurfaceOptions::problem() const {
-  if (base_order < 1 || base_order > 3) return concat("base_order must be 1, 2 or 3, got ", base_order);
-  if (rebuilds < -1 || rebuilds > 20)
-    return concat("rebuilds must be -1 (automatic) or 0 to 20, got ", rebuilds);
-  if (!(soft_weight > 0) || !std::isfinite(soft_weight))
-    return concat("soft_weight must be positive, got ", soft_weight);
-  if (!(edge_length >= 0) || !std::isfinite(edge_length))
-    return concat("edge_length must be >= 0, got ", edge_length);
-  if (!(max_triangles > 0)) return concat("max_triangles must be positive, got ", max_triangles);
-  return std::nullopt;
-}
-
-std::optional<std::string> SurfaceMoveOptions::problem() const {
-  if (reach != SurfaceReach::Touched && reach != SurfaceReach::All)
-    return concat("reach must be Touched or All, got number ", static_cast<int>(reach));
-  return std::nullopt;
-}
 
 struct SurfaceSolver::Implementation {
   CurveNetwork network;
@@ -111,30 +93,35 @@ struct SurfaceSolver::Implementation {
     finish();
   }
 
-  /// Triangles and shape. Patches that folded over get another layout, twice at most; where that is no
-  /// better, what was before is kept.
+  /// Triangles and shape. Patches that folded over are laid out in up to two other ways; each keeps the one
+  /// in which least of it folds.
   void lay_out(const Progress& progress) {
-    std::vector<PatchLayout> layouts(cycles.size(), PatchLayout::Plane);
-    make(layouts, progress);
-    for (int attempt = 0; attempt < 2; ++attempt) {
-      const std::vector<char> folded =
-          detail::folded_patches(positions, normals, triangles, result.patch_of_triangle, cycles.size());
-      const int before = soundness_of(positions, normals, triangles).folded;
-      std::vector<PatchLayout> retry = layouts;
+    const auto shares = [&] {
+      return detail::folded_shares(positions, normals, triangles, result.patch_of_triangle, cycles.size());
+    };
+    std::vector<int> made(cycles.size(), 0), best = made;
+    make(made, progress);
+    std::vector<double> least = shares();
+    for (int attempt = 1; attempt < detail::kLayoutAttempts; ++attempt) {
+      std::vector<int> wanted = best;
       for (std::size_t p = 0; p < cycles.size(); ++p)
-        if (folded[p])
-          retry[p] = layouts[p] < PatchLayout::Unrolled ? PatchLayout::Unrolled : PatchLayout::Space;
-      if (retry == layouts) return;
-      bool better = false;
+        if (least[p] > detail::kFoldedShare) wanted[p] = attempt;
+      if (wanted == best) break;
+      made = wanted;
       try {
-        make(retry, progress);
-        better = soundness_of(positions, normals, triangles).folded < before;
-      } catch (const InvalidInput&) {  // not to be filled in space
+        make(made, progress);
       } catch (const SolverFailure&) {
+        made.clear();
+        break;
       }
-      if (!better) return make(layouts, progress);
-      layouts = std::move(retry);
+      const std::vector<double> now = shares();
+      for (std::size_t p = 0; p < cycles.size(); ++p)
+        if (made[p] == attempt && now[p] < least[p]) {
+          best[p] = attempt;
+          least[p] = now[p];
+        }
     }
+    if (made != best) make(best, progress);
   }
 
   /// Along sharp curves the sides are filled apart; finish() welds them.
@@ -161,13 +148,13 @@ struct SurfaceSolver::Implementation {
                                 "; take longer edges (option edge-length), or allow more (max-triangles)"));
   }
 
-  void make(std::vector<PatchLayout>& layouts, const Progress& progress) {
-    tessellate(layouts, progress);
+  void make(std::vector<int>& attempts, const Progress& progress) {
+    tessellate(attempts, progress);
     solve(progress);
   }
 
-  /// @param layouts wanted ones, each replaced by the one that the patch got.
-  void tessellate(std::vector<PatchLayout>& layouts, const Progress& progress) {
+  /// @param attempts at the layout of each patch, 0 where a further one cannot be filled.
+  void tessellate(std::vector<int>& attempts, const Progress& progress) {
     ScopedStage stage(result.times, "tessellation");
     const double edge = options.edge_length / scaled_network.diameter;
     std::vector<PatchMesh> patches;
@@ -177,15 +164,19 @@ struct SurfaceSolver::Implementation {
       progress.report("tessellation", static_cast<double>(p) / static_cast<double>(cycles.size()));
       std::string warning;
       PatchMesh patch;
+      const auto lay_out = [&] {
+        return mesh_patch(scaled_network, cycles[p], static_cast<int>(p),
+                          {options.map, edge, attempts[p], !cycles_are_given}, warning);
+      };
       try {
-        patch = mesh_patch(scaled_network, cycles[p], static_cast<int>(p), options.map, edge, layouts[p],
-                           warning);
-        layouts[p] = patch.layout;
+        patch = lay_out();
       } catch (const InvalidInput& problem) {
-        if (!cycles_are_given || layouts[p] >= PatchLayout::Unrolled)
-          throw;  // a second layout may fail, the first stands
-        patch = PatchMesh();
-        warning = concat(problem.what(), "; it was left open");
+        if (std::exchange(attempts[p], 0) > 0) {
+          patch = lay_out();
+        } else {
+          if (!cycles_are_given) throw;
+          warning = concat(problem.what(), "; it was left open");
+        }
       }
       patches.push_back(std::move(patch));
       if (!warning.empty()) warnings.push_back(warning);

@@ -9,6 +9,28 @@
 #include "batten/core/text.hpp"
 #include "batten/surfacing/surface_input_detail.hpp"
 
+namespace batten {
+
+std::optional<std::string> SurfaceOptions::problem() const {
+  if (base_order < 1 || base_order > 3) return concat("base_order must be 1, 2 or 3, got ", base_order);
+  if (rebuilds < -1 || rebuilds > 20)
+    return concat("rebuilds must be -1 (automatic) or 0 to 20, got ", rebuilds);
+  if (!(soft_weight > 0) || !std::isfinite(soft_weight))
+    return concat("soft_weight must be positive, got ", soft_weight);
+  if (!(edge_length >= 0) || !std::isfinite(edge_length))
+    return concat("edge_length must be >= 0, got ", edge_length);
+  if (!(max_triangles > 0)) return concat("max_triangles must be positive, got ", max_triangles);
+  return std::nullopt;
+}
+
+std::optional<std::string> SurfaceMoveOptions::problem() const {
+  if (reach != SurfaceReach::Touched && reach != SurfaceReach::All)
+    return concat("reach must be Touched or All, got number ", static_cast<int>(reach));
+  return std::nullopt;
+}
+
+}  // namespace batten
+
 namespace batten::detail {
 
 using Eigen::Index;
