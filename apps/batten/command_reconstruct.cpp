@@ -60,6 +60,7 @@ Outcome reconstruct(const ReconstructArguments& arguments, Context& context) {
   outcome.figures["network"] = network.figures;
   outcome.figures["surface"] = surface.figures;
   outcome.exhibit = std::move(surface.exhibit);
+  outcome.failure = std::move(surface.failure);
   for (const Outcome* stage : {&network, &surface}) {
     outcome.times.add(stage->times);
     outcome.warnings.insert(outcome.warnings.end(), stage->warnings.begin(), stage->warnings.end());

@@ -51,10 +51,11 @@ void report_surface(const SurfaceArguments& arguments, NetworkSurface surface, c
   const std::string unit = !arguments.unit.empty() ? arguments.unit
                            : network.unit.empty()  ? "m"
                                                    : network.unit;
-  if (is_cad_file(arguments.output)) {
+  const bool is_written = surface.is_sound() || arguments.accept_flaws;
+  if (is_written && is_cad_file(arguments.output)) {
     write_step(arguments.output, surface.mesh, surface.patch_of_triangle, network, unit, arguments.step,
                context, outcome);
-  } else {
+  } else if (is_written) {
     const ScopedStage stage(outcome.times, "write");
     MeshWriteOptions options;
     if (has_unit(mesh_format(arguments.output))) options.metres_per_unit = metres_per_unit(unit);
@@ -89,6 +90,8 @@ void report_surface(const SurfaceArguments& arguments, NetworkSurface surface, c
   figures["self_intersections"] = surface.crossing_pairs;
   figures["min_angle_deg"] = degrees(quality.min_angle);
   figures["mean_edge"] = quality.mean_edge;
+  figures["flaws"] = surface.flaws;
+  figures["written"] = is_written;
   figures["output"] = arguments.output;
 
   outcome.lines.push_back(concat(arguments.output, ": ", topology.n_vertices, " vertices, ",
@@ -103,6 +106,7 @@ void report_surface(const SurfaceArguments& arguments, NetworkSurface surface, c
   if (const auto found = surface.mesh.vertex_values.find("uncertainty");
       found != surface.mesh.vertex_values.end())
     report_uncertainty(surface.mesh.positions, found->second, outcome);
+  report_flaws(surface.flaws, "the surface is not sound", arguments.output, arguments.accept_flaws, outcome);
   outcome.exhibit.network = network;
   outcome.exhibit.mesh = std::move(surface.mesh);
 }
@@ -149,6 +153,8 @@ void add_surface_options(CLI::App& command, SurfaceArguments& arguments) {
       .add_option("--max-triangles", arguments.max_triangles,
                   "Refuse surfaces that would have more triangles than this")
       ->check(CLI::PositiveNumber);
+  command.add_flag("--accept-flaws", arguments.accept_flaws,
+                   "Write a surface that crosses itself, folds, collapses or leaves its curves");
 }
 
 }  // namespace batten::cli

@@ -18,6 +18,7 @@ struct SurfaceArguments {
   StepArguments step;
   double soft_weight = 1, max_triangles = 20e6;
   int base_order = 2;
+  bool accept_flaws = false;
 };
 
 /// Adds the output and every option, but not the network.
@@ -29,7 +30,8 @@ void check_surface_output(const SurfaceArguments& arguments);
 /// @throws InvalidInput on values that do not parse.
 NetworkSurfaceOptions surface_options(const SurfaceArguments& arguments);
 
-/// Writes the surface of `network` and adds figures, lines, warnings, times and the exhibit.
+/// Writes the surface of `network`, unless it is unsound and that is not accepted, and adds figures, lines,
+/// warnings, times, the failure and the exhibit.
 void report_surface(const SurfaceArguments& arguments, NetworkSurface surface, const CurveNetwork& network,
                     const Context& context, Outcome& outcome);
 

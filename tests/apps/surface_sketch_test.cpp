@@ -14,9 +14,10 @@ using Json = nlohmann::json;
 
 /// The edges of a cube as OBJ lines; every edge has vertices of its own, as drawing programs write them.
 /// @param shorter the last edge ends this much before its corner.
-std::string cube_sketch(double shorter) {
+/// @param shift of the whole cube along all axes. @param next number of its first vertex.
+std::string cube_sketch(double shorter, double shift = 0, int next = 1) {
   std::string text;
-  int next = 1, edges = 0;
+  int edges = 0;
   for (int a = 0; a < 8; ++a)
     for (int axis = 0; axis < 3; ++axis) {
       if ((a & (1 << axis)) != 0) continue;
@@ -24,7 +25,9 @@ std::string cube_sketch(double shorter) {
       for (int k = 0; k <= 10; ++k) {
         text += "v";
         for (int i = 0; i < 3; ++i)
-          text += " " + std::to_string(i == axis ? reach * k / 10 : (a & (1 << i)) != 0 ? 1.0 : 0.0);
+          text += " " + std::to_string(shift + (i == axis             ? reach * k / 10
+                                                : (a & (1 << i)) != 0 ? 1.0
+                                                                      : 0.0));
         text += "\n";
         if (k > 0) text += "l " + std::to_string(next - 1) + " " + std::to_string(next) + "\n";
         ++next;
@@ -125,6 +128,27 @@ TEST(SurfaceOfSketch, SaysWhyThereIsNothingToSurface) {
   EXPECT_FALSE(file_exists("line.ply"));
 }
 
+// No curve of the one cube touches the other, but their faces cross: the work failed, places are named, and
+// the file that was there stays, unless flaws are accepted.
+TEST(SurfaceOfSketch, LeavesTheOldFileWhereTheSurfaceCrossesItself) {
+  write_file("two.obj", cube_sketch(0) + cube_sketch(0, 0.5, 133));
+  write_file("two.ply", "as it was");
+  const auto refused = run_batten("surface two.obj -o two.ply --step 8% --json");
+  EXPECT_EQ(refused.exit_code, 1);
+  for (const char* words : {"the surface is not sound", " cross in patches ", " at (", "--accept-flaws"})
+    EXPECT_NE(refused.err.find(words), std::string::npos) << refused.err;
+  EXPECT_EQ(read_file("two.ply"), "as it was");
+  const Json json = Json::parse(refused.out, nullptr, false);
+  EXPECT_EQ(json["written"], false);
+  EXPECT_EQ(json["flaws"].size(), 1U) << json["flaws"];
+  EXPECT_EQ(run_batten("surface two.obj -o two.step --step 8%").exit_code, 1);
+  EXPECT_FALSE(file_exists("two.step"));
+  const Json accepted = surface("two.obj -o two.ply --step 8% --accept-flaws");
+  EXPECT_EQ(accepted["written"], true);
+  EXPECT_GT(accepted["self_intersections"], 0);
+  EXPECT_NE(read_file("two.ply"), "as it was");
+}
+
 // The sketches as they are: 20 patches of the trebol, the hole of the torus, and a surface of each of the
 // others.
 TEST(SurfaceOfSketch, TakesPublicSketches) {
@@ -138,7 +162,7 @@ TEST(SurfaceOfSketch, TakesPublicSketches) {
   EXPECT_EQ(torus["genus"], 1);
   for (const char* name : {"bathtub", "box", "car", "dress", "gamepad", "guitar", "spherecylinder"}) {
     const std::string file = std::string(name) + ".ply";
-    const Json json = surface(folder + "sketch_" + name + ".obj -o " + file);
+    const Json json = surface(folder + "sketch_" + name + ".obj --accept-flaws -o " + file);
     EXPECT_GT(json["faces"].get<int>(), 100) << name;
     EXPECT_TRUE(file_exists(file));
   }

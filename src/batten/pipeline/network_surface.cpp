@@ -7,6 +7,7 @@
 #include "batten/core/index.hpp"
 #include "batten/core/text.hpp"
 #include "batten/mesh/self_intersections.hpp"
+#include "batten/pipeline/surface_flaws.hpp"
 #include "batten/pipeline/surface_uncertainty.hpp"
 #include "batten/strokes/mended_network.hpp"
 
@@ -15,7 +16,7 @@ namespace batten {
 namespace {
 
 /// The mesh without vertices that no triangle uses (samples of the network that lie on no curve).
-TriangleMesh without_loose_vertices(TriangleMesh mesh) {
+TriangleMesh without_loose_vertices(TriangleMesh mesh, std::vector<char>& on_network) {
   std::vector<int> number(at(mesh.n_vertices()), -1);
   for (Eigen::Index f = 0; f < mesh.n_triangles(); ++f)
     for (int k = 0; k < 3; ++k) number[at(mesh.triangles(f, k))] = 0;
@@ -30,6 +31,7 @@ TriangleMesh without_loose_vertices(TriangleMesh mesh) {
     if (number[v] >= 0) {
       packed.positions.row(number[v]) = mesh.positions.row(static_cast<Eigen::Index>(v));
       packed.normals.row(number[v]) = mesh.normals.row(static_cast<Eigen::Index>(v));
+      on_network[at(number[v])] = on_network[v];
     }
   for (const auto& [name, values] : mesh.vertex_values) {
     Eigen::VectorXd& kept = packed.vertex_values[name];
@@ -37,6 +39,7 @@ TriangleMesh without_loose_vertices(TriangleMesh mesh) {
     for (std::size_t v = 0; v < number.size(); ++v)
       if (number[v] >= 0) kept[number[v]] = values[static_cast<Eigen::Index>(v)];
   }
+  on_network.resize(at(n));
   packed.triangles = mesh.triangles.unaryExpr([&](int v) { return number[at(v)]; });
   return packed;
 }
@@ -59,20 +62,20 @@ NetworkSurface checked(SurfaceResult surface, const CurveNetwork& network, const
   result.folded_triangles = surface.folded_triangles;
   result.degenerate_triangles = surface.degenerate_triangles;
   result.patch_of_triangle = std::move(surface.patch_of_triangle);
-  result.mesh = without_loose_vertices(std::move(surface.mesh));
+  std::vector<char> on_network = std::move(surface.on_network);
+  result.mesh = without_loose_vertices(std::move(surface.mesh), on_network);
   {
     const ScopedStage stage(result.times, "check");
     progress.report("check", 0);
     result.topology = mesh_topology(result.mesh.triangles, result.mesh.n_vertices());
     progress.report("check", 0.2);
     result.quality = mesh_quality(result.mesh.positions, result.mesh.triangles);
-    result.crossing_pairs = self_intersections(result.mesh.positions, result.mesh.triangles,
-                                               kMostListedIntersections, progress.part("check", 0.3, 1))
-                                .size();
+    const auto crossings = self_intersections(result.mesh.positions, result.mesh.triangles,
+                                              kMostListedIntersections, progress.part("check", 0.3, 0.9));
+    result.crossing_pairs = crossings.size();
+    result.flaws =
+        surface_flaws(result.mesh, {result.patch_of_triangle, on_network, surface.folded, crossings});
   }
-  if (result.crossing_pairs > 0)
-    result.warnings.push_back(concat("the surface crosses itself at ", result.crossing_pairs,
-                                     " pairs of triangles; see whether its curves do, or add a curve there"));
   const NetworkTopology topology = network_topology(network);
   result.n_curves = network.curves.size();
   result.n_nodes = topology.nodes.size();

@@ -47,12 +47,14 @@ struct NetworkSurface {
   std::optional<FlatteningReport> flattening;  ///< where the patches were given
   int folded_triangles = 0;
   int degenerate_triangles = 0;
-  std::size_t crossing_pairs = 0;  ///< pairs of triangles that cross
+  std::size_t crossing_pairs = 0;  ///< pairs of triangles that cross; counted up to kMostListedIntersections
+  /// Why this is no surface of its curves, with patches and places; empty for a sound one: triangles that
+  /// cross or are turned over, patches that lie across the normals of their curves or far away from them.
+  std::vector<std::string> flaws;
   std::vector<std::string> warnings;
   StageTimes times;
 
-  /// Nothing crosses, nothing is folded.
-  bool is_sound() const { return folded_triangles == 0 && crossing_pairs == 0; }
+  bool is_sound() const { return flaws.empty(); }
 };
 
 /// Fills a network with a fair surface and checks it: surface_network(), packing, topology, quality,
