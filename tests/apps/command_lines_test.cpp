@@ -42,7 +42,7 @@ TEST(CommandLines, SimulateTakesEveryOption) {
   const Json again = complete_json(
       "simulate torus -o again.rawnet --seed 7 --orientation-noise 2deg --drift 1deg "
       "--odometer-error 0.3% --step 2% --outliers 5% --disturbance 30deg "
-      "--curve-length-error 15%");
+      "--curve-length-error 15% --speed-variation 10%");
   EXPECT_EQ(read_file("again.rawnet"), read_file("full.rawnet")) << "the seed decides";
   EXPECT_EQ(again["readings"], json["readings"]);
 }

@@ -147,11 +147,11 @@ struct SamplePlaces {
 };
 
 /// Adds the samples behind `from` up to `to`, readings of a curve: `steps` even ones; but where that is more
-/// than there are readings, all readings and as many places between them as make such steps, so that what is
-/// known is not mixed with what lies between.
+/// than twice as many as there are readings, all readings and as many places between them as make such steps,
+/// so that what is known is not mixed with what lies between.
 void add_places(const CleanCurve& clean, int from, int to, int steps, SamplePlaces& places) {
   const double begin = clean.distances[from], length = clean.distances[to] - begin;
-  const bool is_sparse = steps > to - from;
+  const bool is_sparse = steps > 2 * (to - from);
   if (is_sparse && places.parameters.size() == 1) places.readings.front() = from;
   for (int i = is_sparse ? from : to - 1; i < to; ++i) {
     const double start = is_sparse ? clean.distances[i] : begin;
