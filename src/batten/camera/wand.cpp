@@ -6,6 +6,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 
 #include "batten/camera/triangulation.hpp"
 #include "batten/core/error.hpp"

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/Geometry>
+
 #include "batten/capture/readings_detail.hpp"
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"

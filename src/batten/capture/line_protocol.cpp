@@ -4,6 +4,8 @@
 #include <cstdio>
 #include <limits>
 
+#include <Eigen/Geometry>
+
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
 

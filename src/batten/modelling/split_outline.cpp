@@ -2,6 +2,7 @@
 #include <limits>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Geometry>
 
 #include "batten/core/units.hpp"
 #include "batten/modelling/plane_detail.hpp"

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include <Eigen/Geometry>
 #include <Eigen/SVD>
 
 #include "batten/core/error.hpp"

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/Geometry>
+
 #include "batten/core/error.hpp"
 #include "batten/core/parallel.hpp"
 #include "batten/rotation/so3.hpp"

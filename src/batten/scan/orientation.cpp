@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include <Eigen/Geometry>
+
 #include "batten/core/error.hpp"
 #include "batten/core/statistics.hpp"
 #include "batten/core/text.hpp"

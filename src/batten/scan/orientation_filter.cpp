@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Geometry>
 
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"

@@ -1,5 +1,7 @@
 #include <algorithm>
 
+#include <Eigen/Geometry>
+
 #include "batten/rotation/so3.hpp"
 #include "batten/scan/rate_change_detail.hpp"
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "batten/core/arrays.hpp"
 #include "batten/rotation/wahba.hpp"

@@ -6,6 +6,8 @@
 #include <optional>
 #include <utility>
 
+#include <Eigen/Geometry>
+
 #include "batten/core/error.hpp"
 #include "batten/core/random.hpp"
 #include "batten/core/text.hpp"
