@@ -1,4 +1,6 @@
 #pragma once
+#include <vector>
+
 #include <Eigen/Core>
 
 #include "batten/core/progress.hpp"
@@ -29,14 +31,15 @@ struct SurfaceUncertainty {
 SurfaceUncertainty surface_uncertainty(SurfaceSolver& solver, const CurveNetwork& network,
                                        const NetworkUncertainty& of_network, const Progress& progress = {});
 
-/// The part between the curves for a mesh some of whose vertices lie on curves, 0 at those; what
-/// advise_curve() weighs new curves by. @param on_curves per vertex, not 0: on a curve.
-/// @param curvature of the network, as curvature_change() tells it. One factorisation.
+/// How curved the curves of a network are, and how fast that changes along them.
 struct CurvatureChange {
   double curvature = 0;  ///< root mean square of the normal curvature along the curves, 1/length
   double change = 0;     ///< root mean square of its change per length, 1/length²
 };
 CurvatureChange curvature_change(const CurveNetwork& network);
+
+/// The part between the curves for a mesh some of whose vertices lie on curves, 0 at those.
+/// @param on_curves per vertex, not 0: on a curve. One factorisation.
 Eigen::VectorXd deviation_between_curves(const TriangleMesh& mesh, const std::vector<char>& on_curves,
                                          const CurvatureChange& curvature);
 
