@@ -31,7 +31,7 @@ enum Stream : std::uint64_t {
   kOutlierChoice,
   kOutlierFrame,
   kDisturbance,
-  kSpeed
+  kUnevenSpeed
 };
 
 struct Streams {
@@ -43,7 +43,7 @@ struct Streams {
         curve_length(seed, kCurveLength),
         outlier_choice(seed, kOutlierChoice),
         outlier_frame(seed, kOutlierFrame),
-        speed(seed, kSpeed) {}
+        speed(seed, kUnevenSpeed) {}
   Random jitter, white, drift, odometer, curve_length, outlier_choice, outlier_frame, speed;
 };
 
