@@ -69,7 +69,7 @@ TEST(SubdivideCommand, TellsUsageFromInput) {
   EXPECT_EQ(run_batten("subdivide cube.obj --step x.step --unit parsec").exit_code, 2);
   EXPECT_EQ(run_batten("subdivide cube.obj --step x.step --step-tolerance 0").exit_code, 2);
   EXPECT_EQ(run_batten("subdivide cube.obj -o x.xyz").exit_code, 2);
-  EXPECT_EQ(run_batten("subdivide cube.obj --step x.iges").exit_code, 2);
+  EXPECT_EQ(run_batten("subdivide cube.obj --step x.dwg").exit_code, 2);
   EXPECT_EQ(run_batten("subdivide missing.obj -o x.ply").exit_code, 3);
   write_file("turned.obj", std::string(kCube) + "f 1 2 3 4\n");
   const auto run = run_batten("subdivide turned.obj -o x.ply");

@@ -217,6 +217,7 @@ TEST(Render, EveryShadingDrawsSomethingOfItsOwn) {
   const CurveNetwork network = great_circles(40);
   Subject subject{&mesh, &network};
   subject.errors = mesh.positions.col(0).cwiseAbs();
+  subject.uncertainty = mesh.positions.col(1).cwiseAbs();
   std::vector<Image> images;
   for (const Shading shading : choice_values<Shading>()) {
     EXPECT_EQ(parse_choice<Shading>(word_of(shading)), shading);
@@ -265,6 +266,7 @@ TEST(Render, SurvivesDegenerateSubjects) {
   TriangleMesh mesh = fixtures::as_mesh(fixtures::sphere(2));
   Subject subject{&mesh};
   subject.errors = Eigen::VectorXd::Zero(mesh.n_vertices());
+  subject.uncertainty = subject.errors;
   render(subject, small(Shading::Error));
   mesh.positions.setZero();
   for (const Shading shading : choice_values<Shading>()) {

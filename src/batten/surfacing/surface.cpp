@@ -93,8 +93,8 @@ struct SurfaceSolver::Implementation {
     finish();
   }
 
-  /// Triangles and shape. Patches that folded over are laid out in up to two other ways; each keeps the one
-  /// in which least of it folds.
+  /// Triangles and shape. Patches that folded over are laid out in up to two other ways, until nothing of
+  /// them folds; each keeps the one in which least does.
   void lay_out(const Progress& progress) {
     const auto shares = [&] {
       return detail::folded_shares(positions, normals, triangles, result.patch_of_triangle, cycles.size());
@@ -102,10 +102,12 @@ struct SurfaceSolver::Implementation {
     std::vector<int> made(cycles.size(), 0), best = made;
     make(made, progress);
     std::vector<double> least = shares();
+    std::vector<char> folded_over(cycles.size(), 0);
+    for (std::size_t p = 0; p < cycles.size(); ++p) folded_over[p] = least[p] > detail::kFoldedShare;
     for (int attempt = 1; attempt < detail::kLayoutAttempts; ++attempt) {
       std::vector<int> wanted = best;
       for (std::size_t p = 0; p < cycles.size(); ++p)
-        if (least[p] > detail::kFoldedShare) wanted[p] = attempt;
+        if (folded_over[p] && least[p] > 0) wanted[p] = attempt;
       if (wanted == best) break;
       made = wanted;
       try {
