@@ -91,7 +91,7 @@ std::vector<std::string> surface_flaws(const TriangleMesh& mesh, const FilledPat
     std::vector<int> first;
     for (const auto& [f, g] : pairs) {
       where.insert({patches.patch_of_triangle[at(f)], patches.patch_of_triangle[at(g)]});
-      first.push_back(f);
+      if (first.empty() || first.back() != f) first.push_back(f);  // one triangle may cross several
     }
     flaws.push_back(concat(pairs.size() >= kMostListedIntersections ? "at least " : "", pairs.size(),
                            pairs.size() == 1 ? " pair of triangles crosses " : " pairs of triangles cross ",
