@@ -68,21 +68,8 @@ double mean_of(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
-/// Where each vertex of the network is in truth, by the share of the length of its curve.
-Points true_points(const TracedNetwork& traced, const ScanNetwork& result) {
-  Points truth(result.network.positions.rows(), 3);
-  for (size_t c = 0; c < traced.curves.size(); ++c) {
-    const SampledCurve& curve = result.samples.curves[c];
-    const ArcLengthCurve& path = *traced.curves[c].path;
-    for (int k = 0; k < curve.n_samples(); ++k)
-      truth.row(result.network.curves[c].vertices[static_cast<size_t>(k)]) =
-          path.at(curve.parameters[k] / curve.length() * path.length()).position.transpose();
-  }
-  return truth;
-}
-
 void judge_network(const TracedNetwork& traced, const ScanNetwork& result, Judged& points, Judged& curves) {
-  const Points truth = true_points(traced, result);
+  const Points truth = test::true_points(traced, result);
   const Points moved =
       fit_transform(result.network.positions, truth, RegistrationKind::Rigid)(result.network.positions);
   const Eigen::VectorXd& deviations = result.uncertainty->deviations;
@@ -129,7 +116,7 @@ void judge_surface(AnalyticShape shape, const TracedNetwork& traced, const ScanN
   const NetworkSurface made = uncertain_surface(result.network, *result.uncertainty);
   const ImplicitFunction f = shape_function(shape);
   const SimilarityTransform start =
-      fit_transform(result.network.positions, true_points(traced, result), RegistrationKind::Rigid);
+      fit_transform(result.network.positions, test::true_points(traced, result), RegistrationKind::Rigid);
   const Points moved = registered(f, made.mesh.positions, start);
   const Eigen::VectorXd& deviations = made.mesh.vertex_values.at("uncertainty");
   for (Eigen::Index v = 0; v < moved.rows(); ++v) {

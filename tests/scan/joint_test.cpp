@@ -1,6 +1,6 @@
 #include "batten/scan/joint.hpp"
 
-#include "scan/scan_fixtures.hpp"
+#include "scan/joint_fixtures.hpp"
 #include "threads.hpp"
 
 #include <gtest/gtest.h>
@@ -12,23 +12,6 @@
 
 namespace batten {
 namespace {
-
-SampledScan noisy_samples(AnalyticShape shape, bool wrap = false) {
-  const TracedNetwork traced = trace_shape(shape);
-  const Scan scan = simulate_scan(traced, test::noisy_device(2)).scan;
-  std::vector<std::string> warnings;
-  PrefilterOptions options;
-  options.step = 0.05 * traced.diameter;
-  options.wrap = wrap;
-  return resample(scan, clean_readings(scan, {}, warnings), options);
-}
-
-JointOptions options_of(AnalyticShape shape) {
-  JointOptions options;
-  options.size = trace_shape(shape).diameter;
-  options.reading_noise = radians(2);
-  return options;
-}
 
 /// A model linearised at the frames of the readings.
 JointModel model_at_readings(const SampledScan& scan, const JointOptions& options) {
@@ -45,8 +28,8 @@ JointModel model_at_readings(const SampledScan& scan, const JointOptions& option
 TEST(JointModel, SlopesAreTheDerivativesOfTheEvidence) {
   for (const AnalyticShape shape : {AnalyticShape::Sphere, AnalyticShape::Dish}) {
     for (const bool wrap : {false, true}) {
-      const SampledScan scan = noisy_samples(shape, wrap);
-      JointModel model = model_at_readings(scan, options_of(shape));
+      const SampledScan scan = test::coarse_samples(shape, 2, wrap);
+      JointModel model = model_at_readings(scan, test::coarse_options(shape));
       NoisePrior::Coordinates u = NoisePrior::Coordinates::Zero();
       u[NoisePrior::kScale] = 0.3;
       u[NoisePrior::kDrift] = -0.2;
@@ -69,8 +52,8 @@ TEST(JointModel, SlopesAreTheDerivativesOfTheEvidence) {
 
 // The speeds of two segments change by 30 % and −30 %: their factors are found although no curve's is wrong.
 TEST(EstimateJointly, FindsASpeedThatChangesAlongCurves) {
-  SampledScan scan = noisy_samples(AnalyticShape::Dish);
-  JointOptions options = options_of(AnalyticShape::Dish);
+  SampledScan scan = test::coarse_samples(AnalyticShape::Dish, 2);
+  JointOptions options = test::coarse_options(AnalyticShape::Dish);
   options.scale_deviation = 0.15;
   const double steady = estimate_jointly(scan, options).cost;
   SampledCurve& curve = scan.curves.front();
@@ -95,8 +78,8 @@ TEST(EstimateJointly, FindsASpeedThatChangesAlongCurves) {
 TEST(JointModel, SegmentsMeetTheirNodesAfterAFewSteps) {
   // The multipliers stand for the positions between the nodes: what is left open is the slip, 1e-4 √L sizes
   // times the force that holds it.
-  const SampledScan scan = noisy_samples(AnalyticShape::Sphere);
-  const JointOptions options = options_of(AnalyticShape::Sphere);
+  const SampledScan scan = test::coarse_samples(AnalyticShape::Sphere, 2);
+  const JointOptions options = test::coarse_options(AnalyticShape::Sphere);
   JointModel model = model_at_readings(scan, options);
   const NoiseModel noise = model.prior().centre();
   double turn = 1;
@@ -144,8 +127,8 @@ TEST(NoisePrior, HasItsCentreWithinItsLimits) {
 
 TEST(EstimateJointly, FindsTheNoiseOfTheDevice) {
   // Simulated: 2° white, 1° drift. The mean of the readings of a sample follows them a little.
-  const JointOptions options = options_of(AnalyticShape::Torus);
-  const JointEstimate estimate = estimate_jointly(noisy_samples(AnalyticShape::Torus), options);
+  const JointOptions options = test::coarse_options(AnalyticShape::Torus);
+  const JointEstimate estimate = estimate_jointly(test::coarse_samples(AnalyticShape::Torus, 2), options);
   EXPECT_TRUE(estimate.converged);
   EXPECT_GT(estimate.noise.white, radians(2) / 2);
   EXPECT_LT(estimate.noise.white, radians(2) * 2);
@@ -156,8 +139,8 @@ TEST(EstimateJointly, FindsTheNoiseOfTheDevice) {
 }
 
 TEST(EstimateJointly, NoNeighbouringNoiseModelIsBetter) {
-  const SampledScan scan = noisy_samples(AnalyticShape::Dish);
-  JointOptions options = options_of(AnalyticShape::Dish);
+  const SampledScan scan = test::coarse_samples(AnalyticShape::Dish, 2);
+  JointOptions options = test::coarse_options(AnalyticShape::Dish);
   options.robust = false;  // else every noise model trusts other samples
   const JointEstimate best = estimate_jointly(scan, options);
   const NoisePrior prior(options);
@@ -184,10 +167,10 @@ TEST(EstimateJointly, NoNeighbouringNoiseModelIsBetter) {
 }
 
 TEST(EstimateJointly, GivesTheSameBitsForEveryNumberOfThreads) {
-  const SampledScan scan = noisy_samples(AnalyticShape::Waves);
+  const SampledScan scan = test::coarse_samples(AnalyticShape::Waves, 2);
   const auto estimated = [&](int threads) {
     const test::Threads here(threads);
-    return estimate_jointly(scan, options_of(AnalyticShape::Waves));
+    return estimate_jointly(scan, test::coarse_options(AnalyticShape::Waves));
   };
   const JointEstimate one = estimated(1);
   for (const int threads : {2, 3}) {
@@ -200,8 +183,8 @@ TEST(EstimateJointly, GivesTheSameBitsForEveryNumberOfThreads) {
 }
 
 TEST(EstimateJointly, CanBeCancelledAtEveryReport) {
-  const SampledScan scan = noisy_samples(AnalyticShape::Sphere);
-  const JointOptions options = options_of(AnalyticShape::Sphere);
+  const SampledScan scan = test::coarse_samples(AnalyticShape::Sphere, 2);
+  const JointOptions options = test::coarse_options(AnalyticShape::Sphere);
   const test::Threads one_thread(1);  // on several the number of reports varies
   long reports = 0;
   const Progress counted([&](std::string_view, double fraction) {

@@ -22,6 +22,19 @@ inline Points aligned(const Points& from, const Points& to, bool scale = false) 
   return (s * A * R.transpose()).rowwise() + b;
 }
 
+/// Where each vertex of a network is in truth, by the share of the length of its curve.
+inline Points true_points(const TracedNetwork& traced, const ScanNetwork& result) {
+  Points truth(result.network.positions.rows(), 3);
+  for (size_t c = 0; c < traced.curves.size(); ++c) {
+    const SampledCurve& curve = result.samples.curves[c];
+    const ArcLengthCurve& path = *traced.curves[c].path;
+    for (int k = 0; k < curve.n_samples(); ++k)
+      truth.row(result.network.curves[c].vertices[static_cast<size_t>(k)]) =
+          path.at(curve.parameters[k] / curve.length() * path.length()).position.transpose();
+  }
+  return truth;
+}
+
 /// Mean distance of the vertices of a network to the true curves after registration by closest points, in
 /// parts of the diameter. The start is the correspondence by arc length.
 inline double network_error(const TracedNetwork& traced, const ScanNetwork& result, bool scale = false) {
@@ -34,15 +47,7 @@ inline double network_error(const TracedNetwork& traced, const ScanNetwork& resu
   for (size_t i = 0; i < edges.size(); ++i)
     segments.row(static_cast<Eigen::Index>(i)) << edges[i][0], edges[i][1];
   const SegmentTree tree(truth.positions, segments);
-  Points target(result.network.positions.rows(), 3);
-  for (size_t c = 0; c < traced.curves.size(); ++c) {
-    const SampledCurve& curve = result.samples.curves[c];
-    for (int k = 0; k < curve.n_samples(); ++k)
-      target.row(result.network.curves[c].vertices[k]) =
-          traced.curves[c]
-              .path->at(curve.parameters[k] / curve.length() * traced.curves[c].path->length())
-              .position.transpose();
-  }
+  Points target = true_points(traced, result);
   double mean = 0;
   for (int i = 0; i < 40; ++i) {
     const Points moved = aligned(result.network.positions, target, scale);

@@ -1,6 +1,6 @@
 #include "batten/scan/uncertainty.hpp"
 
-#include "scan/scan_fixtures.hpp"
+#include "scan/joint_fixtures.hpp"
 
 #include <cmath>
 
@@ -14,23 +14,6 @@
 
 namespace batten {
 namespace {
-
-SampledScan coarse_samples(AnalyticShape shape, int seed) {
-  const TracedNetwork traced = trace_shape(shape);
-  const Scan scan = simulate_scan(traced, test::noisy_device(seed)).scan;
-  std::vector<std::string> warnings;
-  PrefilterOptions options;
-  options.step = 0.05 * traced.diameter;
-  options.wrap = false;
-  return resample(scan, clean_readings(scan, {}, warnings), options);
-}
-
-JointOptions coarse_options(AnalyticShape shape) {
-  JointOptions options;
-  options.size = trace_shape(shape).diameter;
-  options.reading_noise = radians(2);
-  return options;
-}
 
 // Half the radii that hold 95.45 % of a normal vector: of one direction 1, of two √(−2 log 0.0455)/2, of
 // three √8.0249/2 (chi-squared of three).
@@ -47,8 +30,8 @@ TEST(DeviationOf, IsHalfTheRadiusOf954PerCent) {
 
 // The covariance of the draws is the inverse of the system, which the selected inverse tells by other means.
 TEST(JointModel, DrawsHaveThePosteriorAsTheirCovariance) {
-  const SampledScan scan = coarse_samples(AnalyticShape::Sphere, 2);
-  const JointOptions options = coarse_options(AnalyticShape::Sphere);
+  const SampledScan scan = test::coarse_samples(AnalyticShape::Sphere, 2);
+  const JointOptions options = test::coarse_options(AnalyticShape::Sphere);
   JointModel model(scan, options);
   const JointLayout& layout = model.layout();
   for (int c = 0; c < layout.n_curves; ++c)
@@ -101,14 +84,7 @@ TEST(NetworkUncertainty, HoldsTheErrorsOfSimulatedScans) {
       EXPECT_LT(moved.norm(), 1e-6 * size);
       EXPECT_LT(turned.norm(), 0.01 * size * traced.diameter);
     }
-    Points truth(result.network.positions.rows(), 3);
-    for (size_t c = 0; c < traced.curves.size(); ++c) {
-      const SampledCurve& curve = result.samples.curves[c];
-      const ArcLengthCurve& path = *traced.curves[c].path;
-      for (int k = 0; k < curve.n_samples(); ++k)
-        truth.row(result.network.curves[c].vertices[static_cast<size_t>(k)]) =
-            path.at(curve.parameters[k] / curve.length() * path.length()).position.transpose();
-    }
+    const Points truth = test::true_points(traced, result);
     const Points off = test::aligned(result.network.positions, truth) - truth;
     for (Eigen::Index v = 0; v < off.rows(); ++v, ++n) {
       const double deviation = result.uncertainty->deviations[v];
