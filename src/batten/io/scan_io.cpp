@@ -107,7 +107,7 @@ std::string_view comment_value(std::string_view line, std::string_view key) {
 /// Reads rawnet content from one or several files.
 class RawnetParser {
  public:
-  RawnetParser(LineReader& in, bool may_open_files, NodeNumbers numbers = NodeNumbers::Needed)
+  RawnetParser(LineReader& in, bool may_open_files, NodeNumbers numbers)
       : in_(in), may_open_files_(may_open_files), numbers_(numbers) {}
 
   Scan parse() {
@@ -344,6 +344,31 @@ std::string number_list(const std::vector<int>& values, int offset) {
   return line;
 }
 
+/// Told by the first line that is neither blank nor comment: a log begins with the names of its columns.
+bool is_sensor_log(LineReader in) {
+  std::string_view line;
+  bool found = in.next(line);
+  while (found && without_comment(line).empty()) found = in.next(line);
+  // Scans begin with a number; `nan` and `1e5` do not hide a name.
+  return found &&
+         std::any_of(line.begin(), line.end(),
+                     [](char c) {
+                       return std::isalpha(static_cast<unsigned char>(c)) != 0 && c != 'e' && c != 'E';
+                     }) &&
+         line.find_first_of(",;\t") != std::string_view::npos;
+}
+
+LogScan scan_of_log(const SensorLog& log, const std::string& name, const LogScanOptions& options,
+                    const std::vector<std::string>& notes) {
+  try {
+    LogScan scan = scan_from_log(log, options);
+    scan.warnings.insert(scan.warnings.begin(), notes.begin(), notes.end());
+    return scan;
+  } catch (const InvalidInput& error) {
+    throw FileError(name, 0, error.what());
+  }
+}
+
 }  // namespace
 
 Scan read_rawnet(const std::string& path, NodeNumbers numbers) {
@@ -351,19 +376,18 @@ Scan read_rawnet(const std::string& path, NodeNumbers numbers) {
   return RawnetParser(in, true, numbers).parse();
 }
 
-Scan parse_rawnet(std::string text, const std::string& name) {
+Scan parse_rawnet(std::string text, const std::string& name, NodeNumbers numbers) {
   LineReader in(std::move(text), name);
-  return RawnetParser(in, false).parse();
+  return RawnetParser(in, false, numbers).parse();
 }
 
-void write_rawnet(const Scan& scan, const std::string& path) {
+std::string format_rawnet(const Scan& scan) {
   const auto is_numbered = [](const ScanCurve& curve) {
     return !curve.node_ids.empty() &&
            std::count(curve.node_ids.begin(), curve.node_ids.end(), kNoNodeNumber) == 0;
   };
   const bool has_all = std::all_of(scan.curves.begin(), scan.curves.end(), is_numbered);
   check_scan(scan, has_all ? NodeNumbers::Needed : NodeNumbers::MayMiss);
-  OutputFile out(path);
   std::string text = "# rawnet: distances, tangents and normals along curves\n";
   if (!scan.unit.empty()) text += concat("# unit: ", one_line(scan.unit), "\n");
   if (scan.tangents == TangentConvention::ToNext) text += "# tangents: to-next\n";
@@ -388,47 +412,36 @@ void write_rawnet(const Scan& scan, const std::string& path) {
       for (int k = 0; k < 3; ++k) (text += ' ') += exact_decimal(curve.tangents(i, k));
       for (int k = 0; k < 3; ++k) (text += ' ') += exact_decimal(curve.normals(i, k));
       text += '\n';
-      if (text.size() > size_t{1} << 20) {
-        out.write(text);
-        text.clear();
-      }
     }
   }
-  out.write(text);
-  out.commit();
+  return text;
+}
+
+void write_rawnet(const Scan& scan, const std::string& path) {
+  write_file(path, format_rawnet(scan));
 }
 
 LogScan read_scan(const std::string& path, const LogScanOptions& options, const std::string& columns,
                   NodeNumbers numbers) {
-  // Told by the first line that is neither blank nor comment: a log begins with the names of its columns.
-  bool is_log = false;
-  {
-    LineReader in(path);
-    std::string_view line;
-    bool found = in.next(line);
-    while (found && without_comment(line).empty()) found = in.next(line);
-    // Scans begin with a number; `nan` and `1e5` do not hide a name.
-    is_log = found &&
-             std::any_of(line.begin(), line.end(),
-                         [](char c) {
-                           return std::isalpha(static_cast<unsigned char>(c)) != 0 && c != 'e' && c != 'E';
-                         }) &&
-             line.find_first_of(",;\t") != std::string_view::npos;
-    is_log = is_log || !columns.empty();
-  }
-  if (is_log) {
+  if (!columns.empty() || is_sensor_log(LineReader(path))) {
     std::vector<std::string> notes;
     const SensorLog log = read_sensor_log(path, columns, &notes);
-    try {
-      LogScan scan = scan_from_log(log, options);
-      scan.warnings.insert(scan.warnings.begin(), notes.begin(), notes.end());
-      return scan;
-    } catch (const InvalidInput& error) {
-      throw FileError(path, 0, error.what());
-    }
+    return scan_of_log(log, path, options, notes);
   }
   LogScan result;
   result.scan = read_rawnet(path, numbers);
+  return result;
+}
+
+LogScan parse_scan(std::string text, const std::string& name, const LogScanOptions& options,
+                   const std::string& columns, NodeNumbers numbers) {
+  if (!columns.empty() || is_sensor_log(LineReader(text, name))) {
+    std::vector<std::string> notes;
+    const SensorLog log = parse_sensor_log(std::move(text), name, columns, &notes);
+    return scan_of_log(log, name, options, notes);
+  }
+  LogScan result;
+  result.scan = parse_rawnet(std::move(text), name, numbers);
   return result;
 }
 

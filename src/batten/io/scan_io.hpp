@@ -22,11 +22,13 @@ namespace batten {
 /// @throws FileError with file and line, what was expected and the remedy.
 Scan read_rawnet(const std::string& path, NodeNumbers numbers = NodeNumbers::Needed);
 /// The same from memory; `name` stands for the path in errors. Lists of files per curve are refused.
-Scan parse_rawnet(std::string text, const std::string& name);
+Scan parse_rawnet(std::string text, const std::string& name, NodeNumbers numbers = NodeNumbers::Needed);
 
 /// Writes a rawnet file that read_rawnet() reads back as exactly the same scan; numbers of nodes may miss.
 /// @throws FileError, or InvalidInput as check_scan().
 void write_rawnet(const Scan& scan, const std::string& path);
+/// The text that write_rawnet() puts into the file. @throws InvalidInput as check_scan().
+std::string format_rawnet(const Scan& scan);
 
 /// Reads a scan from either kind of file: rawnet, or a sensor log (*.csv, or any text file that begins with
 /// the names of its columns), whose readings become orientations by scan_from_log().
@@ -35,5 +37,8 @@ void write_rawnet(const Scan& scan, const std::string& path);
 /// @throws FileError with file, line where there is one, and the remedy; InvalidInput as parse_log_columns().
 LogScan read_scan(const std::string& path, const LogScanOptions& options = {},
                   const std::string& columns = {}, NodeNumbers numbers = NodeNumbers::Needed);
+/// The same from memory; `name` stands for the path in errors.
+LogScan parse_scan(std::string text, const std::string& name, const LogScanOptions& options = {},
+                   const std::string& columns = {}, NodeNumbers numbers = NodeNumbers::Needed);
 
 }  // namespace batten

@@ -16,6 +16,7 @@
 #include "batten/mesh/normals.hpp"
 #include "batten/operators/curvature.hpp"
 #include "batten/render/colour_scale_detail.hpp"
+#include "batten/render/corner_normals.hpp"
 #include "batten/render/lettering.hpp"
 #include "batten/render/light_detail.hpp"
 #include "batten/render/palette_detail.hpp"
@@ -40,46 +41,12 @@ Colour background(double y) {
 
 // ---- normals ----------------------------------------------------------------------------------------------
 
-/// Three normals per triangle: smooth over the vertex except across creases.
-Points corner_normals(const TriangleMesh& mesh, const RenderOptions& options) {
-  const Eigen::Index m = mesh.n_triangles();
-  Points corners(3 * m, 3);
-  if (options.given_normals) {
-    if (mesh.normals.rows() != mesh.n_vertices())
-      throw InvalidInput("the mesh has no normals of its own; leave out --normals given");
-    for (Eigen::Index t = 0; t < m; ++t)
-      for (int k = 0; k < 3; ++k) corners.row(3 * t + k) = mesh.normals.row(mesh.triangles(t, k));
-    return corners;
-  }
-  const Points faces = face_normals(mesh.positions, mesh.triangles);
-  std::vector<int> first(mesh.n_vertices() + 1, 0), around(3 * m);
-  for (Eigen::Index i = 0; i < 3 * m; ++i) ++first[mesh.triangles.data()[i] + 1];
-  for (std::size_t v = 1; v < first.size(); ++v) first[v] += first[v - 1];
-  std::vector<int> next(first.begin(), first.end() - 1);
-  for (Eigen::Index i = 0; i < 3 * m; ++i) around[next[mesh.triangles.data()[i]]++] = static_cast<int>(i);
-  Eigen::VectorXd angles(3 * m);
-  for (Eigen::Index t = 0; t < m; ++t)
-    for (int k = 0; k < 3; ++k) {
-      const Vector3d p = mesh.positions.row(mesh.triangles(t, k));
-      const Vector3d u = mesh.positions.row(mesh.triangles(t, (k + 1) % 3)).transpose() - p,
-                     v = mesh.positions.row(mesh.triangles(t, (k + 2) % 3)).transpose() - p;
-      angles[3 * t + k] = std::atan2(u.cross(v).norm(), u.dot(v));
-    }
-  const double crease = std::cos(radians(options.crease_angle_deg));
-  parallel_for(m, 4096, [&](Eigen::Index begin, Eigen::Index end) {
-    for (Eigen::Index t = begin; t < end; ++t)
-      for (int k = 0; k < 3; ++k) {
-        const int v = mesh.triangles(t, k);
-        Vector3d sum = Vector3d::Zero();
-        for (int i = first[v]; i < first[v + 1]; ++i) {
-          const int other = around[i] / 3;
-          if (faces.row(other).dot(faces.row(t)) >= crease)
-            sum += angles[around[i]] * faces.row(other).transpose();
-        }
-        const double length = sum.norm();
-        corners.row(3 * t + k) = length > 0 ? Vector3d(sum / length) : Vector3d(faces.row(t));
-      }
-  });
+Points given_corner_normals(const TriangleMesh& mesh) {
+  if (mesh.normals.rows() != mesh.n_vertices())
+    throw InvalidInput("the mesh has no normals of its own; leave out --normals given");
+  Points corners(3 * mesh.n_triangles(), 3);
+  for (Eigen::Index i = 0; i < corners.rows(); ++i)
+    corners.row(i) = mesh.normals.row(mesh.triangles(i / 3, i % 3));
   return corners;
 }
 
@@ -291,7 +258,8 @@ struct Picture {
   void add_mesh(const TriangleMesh& mesh, const RenderOptions& options) {
     scene.positions = mesh.positions;
     scene.triangles = mesh.triangles;
-    normals = corner_normals(mesh, options);
+    normals = options.given_normals ? given_corner_normals(mesh)
+                                    : corner_normals(mesh, radians(options.crease_angle_deg));
     std::vector<char> used(static_cast<std::size_t>(mesh.n_vertices()), 0);
     for (Eigen::Index i = 0; i < mesh.triangles.size(); ++i) used[at(mesh.triangles.data()[i])] = 1;
     framed.resize(mesh.n_vertices(), 3);

@@ -1,0 +1,374 @@
+#include "batten/engine/engine.hpp"
+
+#include <map>
+#include <new>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "batten/core/error.hpp"
+#include "batten/core/text.hpp"
+#include "batten/core/units.hpp"
+#include "batten/engine/inspection_detail.hpp"
+#include "batten/engine/live_surface_detail.hpp"
+#include "batten/engine/opened_file.hpp"
+#include "batten/engine/reply_detail.hpp"
+#include "batten/engine/saved_file.hpp"
+#include "batten/engine/shown_object_detail.hpp"
+#include "batten/session/document.hpp"
+#include "batten/session/edit_json.hpp"
+#include "batten/session/project.hpp"
+#include "batten/session/results.hpp"
+#include "batten/sketch/stroke.hpp"
+
+namespace batten {
+
+using detail::Draft;
+using detail::Json;
+using detail::json_of;
+
+namespace {
+
+// An angle and a length where messages do not give them; those of `batten render` and of a preview.
+constexpr double kContinuityTolerance = radians(0.5);
+constexpr double kLiveEdgeLength = 0.02;
+
+std::string id_text(ObjectId id) {
+  return concat("o", id.number);
+}
+
+const Json& field(const Json& message, const char* name) {
+  const auto found = message.find(name);
+  if (found == message.end()) throw InvalidInput(concat("the message has no '", name, "'"));
+  return *found;
+}
+
+std::string text_of(const Json& message, const char* name) {
+  const Json& value = field(message, name);
+  if (!value.is_string()) throw InvalidInput(concat("'", name, "' of the message must be text"));
+  return value.get<std::string>();
+}
+
+double number_of(const Json& message, const char* name, double otherwise) {
+  const auto found = message.find(name);
+  if (found == message.end()) return otherwise;
+  if (!found->is_number()) throw InvalidInput(concat("'", name, "' of the message must be a number"));
+  return found->get<double>();
+}
+
+bool flag_of(const Json& message, const char* name) {
+  const auto found = message.find(name);
+  return found != message.end() && found->is_boolean() && found->get<bool>();
+}
+
+Json ids_of(const std::vector<ObjectId>& ids) {
+  Json list = Json::array();
+  for (const ObjectId id : ids) list.push_back(id_text(id));
+  return list;
+}
+
+/// A name that no object of the document has yet: "hull", "hull 2", …
+std::string free_name(const Document& document, const std::string& wanted) {
+  std::string name = wanted;
+  for (int k = 2; document.find(name).number != 0; ++k) name = concat(wanted, " ", k);
+  return name;
+}
+
+Json failure(const char* kind, const std::string& message) {
+  return {{"ok", false}, {"kind", kind}, {"message", message}};
+}
+
+}  // namespace
+
+struct Engine::State {
+  Document document;
+  Results results;
+  detail::LiveSurface live;
+
+  /// The object that a message names.
+  ObjectId object_of(const Json& message, const char* name = "object") const {
+    const std::string text = text_of(message, name);
+    long number = 0;
+    if (text.size() < 2 || text[0] != 'o' || !parse_integer(std::string_view(text).substr(1), number))
+      throw InvalidInput(
+          concat("'", name, "' must be the id of an object, such as \"o3\", got '", text, "'"));
+    const ObjectId id{static_cast<int>(number)};
+    if (document.find(id) == nullptr) throw InvalidInput(concat("there is no object '", text, "'"));
+    return id;
+  }
+
+  Content content(ObjectId id, const Progress& progress) { return results.content(document, id, progress); }
+  SharedMesh mesh(ObjectId id, const Progress& progress) {
+    if (document.object(id).kind() != ObjectKind::Mesh)
+      throw InvalidInput(concat("'", document.object(id).name, "' is a ", word_of(document.object(id).kind()),
+                                "; this needs a mesh"));
+    return std::get<SharedMesh>(content(id, progress));
+  }
+
+  void apply(Draft& draft, const Edit& edit) {
+    const EditOutcome outcome = document.apply(edit);
+    draft.json["object"] = outcome.object.number == 0 ? Json() : Json(id_text(outcome.object));
+    draft.json["changed"] = ids_of(outcome.changed);
+    draft.json["outdated"] = ids_of(outcome.outdated);
+  }
+
+  // The messages, each with its name.
+  void open(Draft& draft, const Json& message, std::string_view bytes);
+  void edit(Draft& draft, const Json& message);
+  void describe(Draft& draft) const;
+  void show(Draft& draft, const Json& message, const Progress& progress);
+  void follow(Draft& draft, const Json& message, const Progress& progress);
+  void values(Draft& draft, const Json& message, const Progress& progress);
+  void continuity(Draft& draft, const Json& message, const Progress& progress);
+  void distances(Draft& draft, const Json& message, const Progress& progress);
+  void save(Draft& draft, const Json& message, const Progress& progress);
+  void length(Draft& draft, const Json& message) const;
+  void carry_out(Draft& draft, std::string_view text, std::string_view bytes, const Progress& progress);
+};
+
+void Engine::State::open(Draft& draft, const Json& message, std::string_view bytes) {
+  const std::string name = text_of(message, "name");
+  if (bytes.substr(0, 2) == "PK" && name.ends_with(".batten")) {
+    ProjectFile file = parse_project(std::string(bytes), name);
+    document = std::move(file.document);
+    results = {};
+    draft.json["warnings"] = file.warnings;
+    draft.json["replaced"] = true;
+    return;
+  }
+  OpenedFile file = open_file(std::string(bytes), name);
+  draft.json["warnings"] = file.warnings;
+  apply(draft, AddEdit{{}, free_name(document, file.name), file.unit, std::move(file.content)});
+}
+
+void Engine::State::edit(Draft& draft, const Json& message) {
+  Edit edit = parse_edit(field(message, "edit").dump());
+  const int drag = static_cast<int>(number_of(message, "drag", 0));
+  std::visit(
+      [drag](auto& one) {
+        if constexpr (requires { one.drag; }) one.drag = drag;
+      },
+      edit);
+  if (auto* derive = std::get_if<DeriveEdit>(&edit)) derive->name = free_name(document, derive->name);
+  apply(draft, edit);
+}
+
+void Engine::State::describe(Draft& draft) const {
+  Json list = Json::array();
+  const std::vector<ObjectId> outdated = document.out_of_date(results.versions());
+  for (const ObjectId id : document.objects()) {
+    const Object& object = document.object(id);
+    Json entry = {{"id", id_text(id)},
+                  {"name", object.name},
+                  {"kind", word_of(object.kind())},
+                  {"unit", document.unit(id)},
+                  {"version", document.version(id)},
+                  {"formats", formats_of(object.kind())}};
+    if (const Derived* derived = object.derived()) {
+      entry["source"] = id_text(derived->source);
+      // The line of a journal is where the options of a request have their names.
+      entry["request"] = Json::parse(format_edit(RequestEdit{id, *derived->request, 0}))["request"];
+    }
+    list.push_back(std::move(entry));
+  }
+  draft.json["objects"] = std::move(list);
+  draft.json["outdated"] = ids_of(outdated);
+  draft.json["can_undo"] = document.can_undo();
+  draft.json["can_redo"] = document.can_redo();
+  Json log = Json::array();
+  for (const Edit& edit : document.log()) log.push_back(name_of_op(edit));
+  draft.json["log"] = std::move(log);
+}
+
+void Engine::State::show(Draft& draft, const Json& message, const Progress& progress) {
+  const ObjectId id = object_of(message);
+  const Object& object = document.object(id);
+  draft.json["kind"] = word_of(object.kind());
+  draft.json["unit"] = document.unit(id);
+  draft.json["version"] = document.version(id);
+  if (object.kind() == ObjectKind::Model && object.derived() == nullptr) {
+    detail::draw_model(draft, document.model(id));
+    return;
+  }
+  if (object.derived() == nullptr) {
+    detail::draw(draft, *object.content());
+    return;
+  }
+  const std::shared_ptr<const RequestResult> result = results.get(document, id, progress);
+  draft.json["warnings"] = warnings_of(*result);
+  if (const auto* made = std::get_if<CurvesSurface>(result.get())) {
+    const Eigen::RowVector3d origin = detail::middle_of(made->network.positions);
+    draft.json["origin"] = json_of(origin);
+    detail::draw_mesh(draft, made->surface.mesh, origin);
+    detail::draw_network(draft, made->network, origin);
+    draft.json["flaws"] = made->surface.flaws;
+    draft.json["n_patches"] = made->surface.n_cycles;
+  } else {
+    detail::draw(draft, content_of(result));
+  }
+  if (const auto* made = std::get_if<ScanNetwork>(result.get())) {
+    const ScanReport& report = made->report;
+    draft.json["report"] = {{"lambda", json_of(report.lambda)},
+                            {"mu", json_of(report.mu)},
+                            {"weights_reason", report.weights_reason},
+                            {"step", json_of(report.step)},
+                            {"size", json_of(report.size)},
+                            {"n_readings", report.n_readings},
+                            {"n_samples", report.n_samples},
+                            {"outliers", report.outliers},
+                            {"distrusted", report.distrusted},
+                            {"misfit_before", json_of(report.closure_misfit_before)},
+                            {"misfit", json_of(report.closure_misfit)}};
+  }
+  Json times = Json::array();
+  for (const auto& [stage, seconds] : times_of(*result).stages())
+    times.push_back({{"stage", stage}, {"seconds", seconds}});
+  draft.json["times"] = std::move(times);
+}
+
+void Engine::State::follow(Draft& draft, const Json& message, const Progress& progress) {
+  const ObjectId id = object_of(message);
+  const Derived* surface = document.object(id).derived();
+  const Derived* network = surface == nullptr ? nullptr : document.object(surface->source).derived();
+  const auto* surface_request =
+      surface == nullptr ? nullptr : std::get_if<SurfaceRequest>(surface->request.get());
+  const auto* network_request =
+      network == nullptr ? nullptr : std::get_if<NetworkRequest>(network->request.get());
+  if (surface_request == nullptr || network_request == nullptr)
+    throw InvalidInput(
+        concat("'", document.object(id).name, "' is no surface of a scan; 'follow' shows those alone"));
+  const Content scan = content(network->source, progress);
+  const detail::LiveSurface::Shown shown =
+      live.show(std::get<SharedScan>(scan), network_request->options, surface_request->surface,
+                number_of(message, "edge_length", kLiveEdgeLength), flag_of(message, "moving"), progress);
+  const Eigen::RowVector3d origin = detail::middle_of(shown.network->positions);
+  draft.json["origin"] = json_of(origin);
+  draft.json["rebuilt"] = shown.rebuilt;
+  draft.json["lambda"] = json_of(shown.report->lambda);
+  draft.json["mu"] = json_of(shown.report->mu);
+  draft.json["misfit"] = json_of(shown.report->closure_misfit);
+  draft.json["n_triangles"] = shown.surface->mesh.n_triangles();
+  draft.add_points("positions", shown.surface->mesh.positions, origin);
+  draft.add_points("normals", shown.surface->mesh.normals, Eigen::RowVector3d::Zero());
+  if (shown.rebuilt || flag_of(message, "triangles"))
+    draft.add_triangles("triangles", shown.surface->mesh.triangles);
+  detail::draw_network(draft, *shown.network, origin);
+}
+
+void Engine::State::values(Draft& draft, const Json& message, const Progress& progress) {
+  detail::add_values(draft, *mesh(object_of(message), progress), text_of(message, "shading"));
+}
+
+void Engine::State::continuity(Draft& draft, const Json& message, const Progress& progress) {
+  const ObjectId id = object_of(message);
+  const SharedMesh surface = mesh(id, progress);
+  const double tolerance = number_of(message, "tolerance", kContinuityTolerance);
+  if (message.contains("curves")) {
+    const Content curves = content(object_of(message, "curves"), progress);
+    const auto* network = std::get_if<SharedNetwork>(&curves);
+    if (network == nullptr) throw InvalidInput("'curves' must name a network");
+    detail::add_continuity(draft, *surface, **network, tolerance, detail::middle_of(surface->positions),
+                           progress);
+    return;
+  }
+  if (document.object(id).derived() != nullptr) {
+    const std::shared_ptr<const RequestResult> result = results.get(document, id, progress);
+    if (const auto* made = std::get_if<CurvesSurface>(result.get())) {
+      detail::add_continuity(draft, *surface, made->network, tolerance,
+                             detail::middle_of(made->network.positions), progress);
+      return;
+    }
+  }
+  throw InvalidInput(concat("'", document.object(id).name,
+                            "' was not made of curves; name the network of its curves as 'curves'"));
+}
+
+void Engine::State::distances(Draft& draft, const Json& message, const Progress& progress) {
+  detail::add_distances(draft, *mesh(object_of(message), progress),
+                        *mesh(object_of(message, "truth"), progress), progress);
+}
+
+void Engine::State::save(Draft& draft, const Json& message, const Progress& progress) {
+  if (!message.contains("object")) {
+    draft.add_bytes("file", format_project(document));
+    return;
+  }
+  const ObjectId id = object_of(message);
+  const SavedFile file = save_file(content(id, progress), text_of(message, "format"), document.unit(id));
+  draft.json["warnings"] = file.warnings;
+  draft.add_bytes("file", file.bytes);
+}
+
+void Engine::State::length(Draft& draft, const Json& message) const {
+  const Length length = parse_length(text_of(message, "text"));
+  draft.json["value"] = json_of(length.value);
+  draft.json["length_kind"] = word_of(length.kind);
+}
+
+void Engine::State::carry_out(Draft& draft, std::string_view text, std::string_view bytes,
+                              const Progress& progress) {
+  const Json message = Json::parse(text, nullptr, false);
+  if (!message.is_object()) throw InvalidInput("the message is no JSON object");
+  const std::string op = text_of(message, "op");
+  using Handler = void (*)(State&, Draft&, const Json&, std::string_view, const Progress&);
+  static const std::map<std::string, Handler> handlers = {
+      {"open",
+       [](State& s, Draft& d, const Json& m, std::string_view b, const Progress&) { s.open(d, m, b); }},
+      {"edit", [](State& s, Draft& d, const Json& m, std::string_view, const Progress&) { s.edit(d, m); }},
+      {"document", [](State& s, Draft& d, const Json&, std::string_view, const Progress&) { s.describe(d); }},
+      {"show",
+       [](State& s, Draft& d, const Json& m, std::string_view, const Progress& p) { s.show(d, m, p); }},
+      {"follow",
+       [](State& s, Draft& d, const Json& m, std::string_view, const Progress& p) { s.follow(d, m, p); }},
+      {"values",
+       [](State& s, Draft& d, const Json& m, std::string_view, const Progress& p) { s.values(d, m, p); }},
+      {"continuity",
+       [](State& s, Draft& d, const Json& m, std::string_view, const Progress& p) { s.continuity(d, m, p); }},
+      {"distances",
+       [](State& s, Draft& d, const Json& m, std::string_view, const Progress& p) { s.distances(d, m, p); }},
+      {"save",
+       [](State& s, Draft& d, const Json& m, std::string_view, const Progress& p) { s.save(d, m, p); }},
+      {"length",
+       [](State& s, Draft& d, const Json& m, std::string_view, const Progress&) { s.length(d, m); }},
+  };
+  const auto handler = handlers.find(op);
+  if (handler == handlers.end()) {
+    std::string known;
+    for (const auto& [name, unused] : handlers) known += (known.empty() ? "" : ", ") + name;
+    throw InvalidInput(concat("unknown op '", op, "'; known are ", known));
+  }
+  handler->second(*this, draft, message, bytes, progress);
+}
+
+Engine::Engine() : state_(std::make_unique<State>()) {}
+Engine::~Engine() = default;
+Engine::Engine(Engine&&) noexcept = default;
+Engine& Engine::operator=(Engine&&) noexcept = default;
+
+Reply Engine::handle(std::string_view message, std::string_view bytes, const Progress& progress) {
+  Draft draft;
+  try {
+    draft.json["ok"] = true;
+    state_->carry_out(draft, message, bytes, progress);
+  } catch (const RefusedEdit& error) {
+    draft = {};
+    draft.json = failure("refused", error.reason());
+    draft.json["remedy"] = error.remedy();
+  } catch (const Cancelled& error) {
+    draft = {};
+    draft.json = failure("cancelled", error.what());
+  } catch (const Error& error) {
+    draft = {};
+    draft.json = failure("error", error.what());
+  } catch (const std::bad_alloc&) {
+    draft = {};
+    draft.json = failure("memory",
+                         "there is not enough memory for this; take a larger edge length or a smaller model");
+  } catch (const std::exception& error) {
+    draft = {};
+    draft.json = failure("fault", concat("a fault of the program: ", error.what()));
+  }
+  return {draft.json.dump(-1, ' ', false, Json::error_handler_t::replace), std::move(draft.arrays)};
+}
+
+}  // namespace batten
