@@ -12,7 +12,10 @@ function(batten_room)
   set(target batten_${ROOM_NAME})
   add_library(${target} STATIC ${ROOM_SOURCES})
   add_library(batten::${ROOM_NAME} ALIAS ${target})
-  set_target_properties(${target} PROPERTIES EXPORT_NAME ${ROOM_NAME} POSITION_INDEPENDENT_CODE ON)
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${ROOM_NAME})
+  if(NOT EMSCRIPTEN)  # one module, nothing to be moved: code that could be is larger and slower there
+    set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+  endif()
   target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src>
                                               $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   target_compile_features(${target} PUBLIC cxx_std_20)

@@ -124,8 +124,8 @@ std::vector<Room> rooms() {
   const fs::path root = repository() / "src/batten";
   std::smatch match;
   const std::string list = content(root / "CMakeLists.txt");
-  if (!std::regex_search(list, match, std::regex("foreach\\(room ([^)]*)\\)")))
-    throw std::runtime_error("src/batten/CMakeLists.txt does not list the rooms as foreach(room …)");
+  if (!std::regex_search(list, match, std::regex("set\\(rooms ([^)]*)\\)")))
+    throw std::runtime_error("src/batten/CMakeLists.txt does not list the rooms as set(rooms …)");
   std::vector<Room> result;
   std::istringstream names(match[1]);
   for (std::string name; names >> name;) {

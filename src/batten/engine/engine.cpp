@@ -15,6 +15,7 @@
 #include "batten/engine/reply_detail.hpp"
 #include "batten/engine/saved_file.hpp"
 #include "batten/engine/shown_object_detail.hpp"
+#include "batten/render/colour.hpp"
 #include "batten/session/document.hpp"
 #include "batten/session/edit_json.hpp"
 #include "batten/session/project.hpp"
@@ -122,6 +123,7 @@ struct Engine::State {
   void continuity(Draft& draft, const Json& message, const Progress& progress);
   void distances(Draft& draft, const Json& message, const Progress& progress);
   void save(Draft& draft, const Json& message, const Progress& progress);
+  void colours(Draft& draft) const;
   void length(Draft& draft, const Json& message) const;
   void carry_out(Draft& draft, std::string_view text, std::string_view bytes, const Progress& progress);
 };
@@ -299,6 +301,18 @@ void Engine::State::save(Draft& draft, const Json& message, const Progress& prog
   draft.add_bytes("file", file.bytes);
 }
 
+void Engine::State::colours(Draft& draft) const {
+  constexpr int kSteps = 256;
+  Points sequential(kSteps, 3), diverging(kSteps, 3);
+  for (int i = 0; i < kSteps; ++i) {
+    const double t = static_cast<double>(i) / (kSteps - 1);
+    sequential.row(i) = sequential_colour(t).cast<double>().transpose();
+    diverging.row(i) = diverging_colour(t).cast<double>().transpose();
+  }
+  draft.add_points("sequential", sequential, Eigen::RowVector3d::Zero());
+  draft.add_points("diverging", diverging, Eigen::RowVector3d::Zero());
+}
+
 void Engine::State::length(Draft& draft, const Json& message) const {
   const Length length = parse_length(text_of(message, "text"));
   draft.json["value"] = json_of(length.value);
@@ -328,6 +342,7 @@ void Engine::State::carry_out(Draft& draft, std::string_view text, std::string_v
        [](State& s, Draft& d, const Json& m, std::string_view, const Progress& p) { s.distances(d, m, p); }},
       {"save",
        [](State& s, Draft& d, const Json& m, std::string_view, const Progress& p) { s.save(d, m, p); }},
+      {"colours", [](State& s, Draft& d, const Json&, std::string_view, const Progress&) { s.colours(d); }},
       {"length",
        [](State& s, Draft& d, const Json& m, std::string_view, const Progress&) { s.length(d, m); }},
   };

@@ -1,0 +1,278 @@
+/** What panels and commands ask for: puts the store and the view together. */
+import { effect, signal } from '@preact/signals';
+import sample from 'batten-sample?url';
+import { ACCEPTED, bytesOf, choose, download, fileName } from './document/files';
+import type { Store } from './document/store';
+import type { Drawn, RequestOptions } from './document/types';
+import { register } from './ui/commands';
+import type { NamedView } from './view/camera';
+import type { Shading } from './view/materials';
+import type { View } from './view/scene';
+
+export type Room = 'reconstruct' | 'inspect' | 'process';
+export const ROOMS: readonly (readonly [Room, string])[] = [
+  ['reconstruct', 'Reconstruct'],
+  ['inspect', 'Inspect'],
+  ['process', 'Process'],
+];
+
+export interface Look {
+  shading: 'shaded' | 'wireframe' | 'isophotes' | 'reflection-lines' | 'normal-map' | 'mean-curvature' | 'gaussian-curvature' | 'error';
+  stripes: number;
+  flat: boolean;
+  curves: boolean;
+}
+
+const VALUE_SHADINGS = ['mean-curvature', 'gaussian-curvature', 'error'];
+
+/** Linear colours as a gradient of the page. */
+function rampOf(rgb: Float32Array): string {
+  const stops: string[] = [];
+  for (let i = 0; i < rgb.length / 3; i += 15)
+    stops.push(`color(srgb-linear ${[0, 1, 2].map((k) => (rgb[3 * i + k] ?? 0).toFixed(4)).join(' ')})`);
+  return `linear-gradient(to top, ${stops.join(', ')})`;
+}
+
+export class App {
+  readonly room = signal<Room>('reconstruct');
+  readonly look = signal<Look>({ shading: 'shaded', stripes: 28, flat: false, curves: true });
+  readonly palette = signal(false);
+  readonly help = signal(false);
+  readonly showBefore = signal(false);
+  readonly theme = signal<'system' | 'light' | 'dark'>('system');
+  /** The colour bars as backgrounds, from below to above. */
+  readonly ramps = signal({ sequential: '', diverging: '' });
+  view: View | null = null;
+  private readonly started: Promise<void>;
+
+  constructor(readonly store: Store) {
+    this.registerCommands();
+    this.started = store.start(true);
+    this.started.catch((error: unknown) =>
+      store.tell('error', `The engine could not be started: ${error instanceof Error ? error.message : String(error)}.`, 'Load the page again, or take another browser.'),
+    );
+  }
+
+  /** The view follows the store. */
+  attach(view: View): void {
+    this.view = view;
+    void this.started.then(async () => {
+      const { arrays } = await this.store.engine.ask({ op: 'colours' });
+      const sequential = arrays.sequential as Float32Array;
+      const diverging = arrays.diverging as Float32Array;
+      view.setColours(sequential, diverging);
+      this.ramps.value = { sequential: rampOf(sequential), diverging: rampOf(diverging) };
+    }, () => {});
+    effect(() => view.setObjects(this.visible()));
+    effect(() => {
+      const look = this.look.value;
+      const shading: Shading = VALUE_SHADINGS.includes(look.shading) ? 'values' : (look.shading as Shading);
+      view.setLook({ shading, stripes: look.stripes, flat: look.flat, curves: look.curves, nodes: true });
+    });
+    effect(() => view.setValues(this.store.values.value));
+    effect(() => {
+      const found = this.store.continuity.value;
+      void this.store.drawn.value;
+      view.setVerdicts(found?.object ?? null, found?.curves ?? []);
+    });
+  }
+
+  private visible(): Drawn[] {
+    const { objects, drawn, hidden } = this.store;
+    const selected = this.store.selectedObject.value;
+    const before = this.showBefore.value ? selected?.source : undefined;
+    return objects.value
+      .filter((one) => {
+        if (hidden.value.has(one.id)) return false;
+        if (before) return one.id === before;
+        return this.store.isShown(one);
+      })
+      .flatMap((one) => drawn.value.get(one.id) ?? []);
+  }
+
+  // ---- files ------------------------------------------------------------------------------------------------------
+
+  async openFiles(files: readonly (readonly [string, Blob])[]): Promise<void> {
+    for (const [fullName, blob] of files) {
+      let read: { name: string; bytes: ArrayBuffer };
+      try {
+        read = await bytesOf(blob, fullName);
+      } catch {
+        this.store.tell('error', `${fullName} cannot be read; its compression is damaged.`);
+        continue;
+      }
+      const id = await this.store.open(read.name, read.bytes);
+      if (!id) continue;
+      const kind = this.store.objects.value.find((one) => one.id === id)?.kind;
+      if (kind === 'scan') {
+        this.room.value = 'reconstruct';
+        await this.store.reconstruct(id);
+      } else if (this.room.value === 'reconstruct' && kind === 'mesh') {
+        this.room.value = 'inspect';
+      }
+      await this.store.showAll();
+      this.view?.fit();
+    }
+  }
+
+  async chooseFiles(): Promise<void> {
+    await this.openFiles((await choose(ACCEPTED)).map((file) => [file.name, file] as const));
+  }
+
+  async openSample(): Promise<void> {
+    const answer = await fetch(sample);
+    await this.openFiles([['sample.rawnet', await answer.blob()] as const]);
+  }
+
+  async saveObject(format: string): Promise<void> {
+    const object = this.store.selectedObject.value;
+    if (!object) return;
+    const bytes = await this.store.save(object.id, format);
+    if (bytes) download(bytes, fileName(object.name, format));
+  }
+
+  async saveProject(): Promise<void> {
+    const bytes = await this.store.save(null, 'batten');
+    if (bytes) download(bytes, fileName(this.store.objects.value[0]?.name ?? 'project', 'batten'));
+  }
+
+  async savePicture(): Promise<void> {
+    const picture = await this.view?.picture();
+    if (picture) download(picture, fileName(this.store.selectedObject.value?.name ?? 'picture', 'png'));
+  }
+
+  saveText(text: string, name: string, extension: string): void {
+    download(new Blob([text]), fileName(name, extension));
+  }
+
+  // ---- looking ----------------------------------------------------------------------------------------------------
+
+  async setLook(patch: Partial<Look>): Promise<void> {
+    this.look.value = { ...this.look.value, ...patch };
+    const object = this.store.selectedObject.value;
+    const { shading } = this.look.value;
+    if (object && (shading === 'mean-curvature' || shading === 'gaussian-curvature') && this.store.values.value?.shading !== shading)
+      await this.store.computeValues(object.id, shading);
+  }
+
+  async showDistances(id: string, truth: string): Promise<void> {
+    await this.store.computeDistances(id, truth);
+    this.look.value = { ...this.look.value, shading: 'error' };
+  }
+
+  pointAt(id: string, place: [number, number, number]): void {
+    this.view?.setPin(id, place);
+  }
+
+  async select(id: string): Promise<void> {
+    this.store.selected.value = id;
+    this.showBefore.value = false;
+    this.view?.setPin(id, null);
+    await this.store.showAll();
+    await this.setLook({});
+  }
+
+  async toggleHidden(id: string): Promise<void> {
+    const hidden = new Set(this.store.hidden.value);
+    if (!hidden.delete(id)) hidden.add(id);
+    this.store.hidden.value = hidden;
+    await this.store.showAll();
+  }
+
+  // ---- steps ------------------------------------------------------------------------------------------------------
+
+  async process(source: string, name: string, request: RequestOptions): Promise<void> {
+    const id = await this.store.derive(source, name, request);
+    if (!id) return;
+    if (!(await this.store.show(id))) await this.store.edit({ op: 'undo' }); // nothing came of it; its sentence is told
+    await this.store.showAll();
+  }
+
+  async throwAway(id: string): Promise<void> {
+    const source = this.store.objects.value.find((one) => one.id === id)?.source;
+    if (await this.store.edit({ op: 'remove', object: id })) {
+      this.showBefore.value = false;
+      this.store.selected.value = source ?? null;
+      await this.store.showAll();
+    }
+  }
+
+  async setShowBefore(value: boolean): Promise<void> {
+    const source = this.store.selectedObject.value?.source;
+    if (value && source) await this.store.show(source);
+    this.showBefore.value = value;
+  }
+
+  // ---- commands ---------------------------------------------------------------------------------------------------
+
+  private registerCommands(): void {
+    const { store } = this;
+    const hasObjects = () => store.objects.value.length > 0;
+    const hasMesh = () => store.selectedObject.value?.kind === 'mesh';
+    const shadings: [Look['shading'], string, string][] = [
+      ['shaded', 'Shaded', 'Shift+S'],
+      ['isophotes', 'Isophotes', 'Shift+Z'],
+      ['reflection-lines', 'Reflection lines', 'Shift+R'],
+      ['normal-map', 'Normals', 'Shift+N'],
+      ['mean-curvature', 'Mean curvature', 'Shift+M'],
+      ['gaussian-curvature', 'Gaussian curvature', 'Shift+G'],
+      ['wireframe', 'Triangles', 'Shift+W'],
+    ];
+    const views: [NamedView, string, string][] = [
+      ['front', 'front', '1'],
+      ['right', 'right', '2'],
+      ['top', 'top', '3'],
+      ['back', 'back', '4'],
+      ['left', 'left', '5'],
+      ['bottom', 'bottom', '6'],
+      ['home', 'home', 'H'],
+    ];
+    register(
+      { id: 'open', title: 'Open a file', keys: 'Ctrl+O', run: () => this.chooseFiles() },
+      { id: 'open-sample', title: 'Open the sample scan', run: () => this.openSample() },
+      { id: 'save-project', title: 'Save the project', keys: 'Ctrl+S', when: hasObjects, run: () => this.saveProject() },
+      { id: 'save-picture', title: 'Save a picture', keys: 'Ctrl+P', when: hasObjects, run: () => this.savePicture() },
+      ...['ply', 'obj', 'stl', '3mf', 'glb', 'json', 'rawnet'].map((format) => ({
+        id: `save-${format}`,
+        title: `Save the selected object as ${format.toUpperCase()}`,
+        when: () => store.selectedObject.value?.formats.includes(format) ?? false,
+        run: () => this.saveObject(format),
+      })),
+      { id: 'new', title: 'New project', when: hasObjects, run: () => store.clear() },
+      { id: 'undo', title: 'Undo', keys: 'Ctrl+Z', when: () => store.canUndo.value, run: () => store.undo() },
+      { id: 'redo', title: 'Redo', keys: 'Ctrl+Shift+Z', when: () => store.canRedo.value, run: () => store.redo() },
+      { id: 'palette', title: 'Find a command', keys: 'Ctrl+K', run: () => void (this.palette.value = true) },
+      { id: 'keys', title: 'Keys and mouse', keys: '?', run: () => void (this.help.value = !this.help.value) },
+      { id: 'fit', title: 'Fit the view', keys: 'F', run: () => this.view?.fit() },
+      ...views.map(([view, title, keys]) => ({
+        id: `view-${view}`,
+        title: `View from ${title}`,
+        keys,
+        run: () => this.view?.lookFrom(view),
+      })),
+      ...shadings.map(([shading, title, keys]) => ({
+        id: `shading-${shading}`,
+        title: `Show ${title.toLowerCase()}`,
+        keys,
+        when: hasMesh,
+        run: () => this.setLook({ shading }),
+      })),
+      { id: 'curves', title: 'Show or hide curves', keys: 'C', run: () => this.setLook({ curves: !this.look.value.curves }) },
+      ...ROOMS.map(([room, title], i) => ({
+        id: `room-${room}`,
+        title: `Go to ${title}`,
+        keys: `Ctrl+${i + 1}`,
+        run: () => void (this.room.value = room),
+      })),
+      {
+        id: 'theme',
+        title: 'Light or dark',
+        run: () => {
+          const dark = this.theme.value === 'dark' || (this.theme.value === 'system' && matchMedia('(prefers-color-scheme: dark)').matches);
+          this.theme.value = dark ? 'light' : 'dark';
+        },
+      },
+      { id: 'stop', title: 'Stop what is being computed', keys: 'Escape', when: () => store.work.value !== null, run: () => store.cancel() },
+    );
+  }
+}

@@ -1,0 +1,370 @@
+/**
+ * The project as the page knows it. All that changes it goes through `edit` and `open`; what the engine says of it
+ * afterwards stands in signals that the panels read. Knows nothing of the view.
+ */
+import { batch, computed, signal } from '@preact/signals';
+import { Engine, EngineError } from '../../engine/engine';
+import type { Message, Success } from '../../engine/messages';
+import type { Continuity, Drawn, Edit, ObjectEntry, RequestOptions, Values } from './types';
+
+export interface Notice {
+  id: number;
+  level: 'error' | 'warning' | 'info';
+  text: string;
+  remedy?: string;
+}
+
+export interface Work {
+  what: string;
+  stage: string;
+  fraction: number;
+}
+
+/** Of previews while a slider moves: enough triangles to judge a shape by. */
+const LIVE_EDGE_LENGTH = 0.02;
+
+export class Store {
+  readonly objects = signal<ObjectEntry[]>([]);
+  readonly outdated = signal<ReadonlySet<string>>(new Set());
+  readonly canUndo = signal(false);
+  readonly canRedo = signal(false);
+  readonly log = signal<string[]>([]);
+  readonly selected = signal<string | null>(null);
+  readonly hidden = signal<ReadonlySet<string>>(new Set());
+  readonly drawn = signal<ReadonlyMap<string, Drawn>>(new Map());
+  readonly values = signal<Values | null>(null);
+  readonly continuity = signal<Continuity | null>(null);
+  readonly work = signal<Work | null>(null);
+  readonly notices = signal<Notice[]>([]);
+  readonly kept = signal(false);
+  readonly started = signal(false);
+  /** How long the last update took, from the request to what can be drawn. */
+  readonly lastUpdate = signal<{ ms: number; coarse: boolean } | null>(null);
+
+  readonly selectedObject = computed(() => this.objects.value.find((one) => one.id === this.selected.value) ?? null);
+
+  private drag = 0;
+  private noticeId = 0;
+  private dragging = false;
+  private sliding = false;
+  private waiting: { target: string; request: RequestOptions; show: string | null; rest: boolean; drag: number } | null = null;
+  private shows = 0;
+
+  constructor(readonly engine: Engine) {}
+
+  async start(keep: boolean): Promise<void> {
+    const { json } = await this.engine.start(keep);
+    this.kept.value = json.kept === true;
+    await this.refresh();
+    if (Number(json.played) > 0) {
+      const surfaces = this.objects.value;
+      const last = surfaces[surfaces.length - 1];
+      if (last) this.selected.value = last.id;
+      await this.showAll();
+    }
+    if (Number(json.failed) > 0)
+      this.tell('warning', `${json.failed} of the edits kept by this browser could not be made again.`);
+    this.started.value = true;
+  }
+
+  // ---- edits ----------------------------------------------------------------------------------------------------
+
+  /** A file becomes an object, or, where it is a project, the project. @returns the id of the object. */
+  async open(name: string, bytes: ArrayBuffer): Promise<string | null> {
+    return this.guard(`open ${name}`, async () => {
+      const { json } = await this.ask(`reading ${name}`, { op: 'open', name }, bytes);
+      for (const text of (json.warnings as string[]) ?? []) this.tell('warning', `${name}: ${text}`);
+      if (json.replaced === true) this.forget();
+      await this.refresh();
+      const id = (json.object as string | undefined) ?? this.objects.value[this.objects.value.length - 1]?.id ?? null;
+      this.selected.value = id;
+      return id;
+    });
+  }
+
+  /** A scan opened is meant to become a surface: adds its network and that one's surface. */
+  async reconstruct(scan: string): Promise<string | null> {
+    const name = this.objects.value.find((one) => one.id === scan)?.name ?? 'scan';
+    const network = await this.derive(scan, `${name} network`, { kind: 'network' });
+    return network && this.derive(network, `${name} surface`, { kind: 'surface' });
+  }
+
+  async derive(source: string, name: string, request: RequestOptions): Promise<string | null> {
+    return this.guard(name, async () => {
+      const { json } = await this.ask(name, {
+        op: 'edit',
+        edit: { op: 'derive', object: 'o0', name, source, request },
+      });
+      await this.refresh();
+      this.selected.value = json.object as string;
+      return json.object as string;
+    });
+  }
+
+  /** @param drag the same number for all positions of one drag, which are one edit; 0 for others. */
+  async edit(edit: Edit, drag = 0): Promise<boolean> {
+    const done = await this.guard(edit.op, async () => {
+      await this.engine.ask({ op: 'edit', edit, drag });
+      await this.refresh();
+      return true;
+    });
+    return done === true;
+  }
+
+  async undo(): Promise<void> {
+    if (this.canUndo.value && (await this.edit({ op: 'undo' }))) await this.showAll();
+  }
+  async redo(): Promise<void> {
+    if (this.canRedo.value && (await this.edit({ op: 'redo' }))) await this.showAll();
+  }
+
+  async clear(): Promise<void> {
+    await this.engine.ask({ op: 'new' });
+    this.forget();
+    await this.refresh();
+  }
+
+  // ---- what is shown ----------------------------------------------------------------------------------------------
+
+  /** Brings the pictures of all objects that can be seen up to date, sources first. */
+  async showAll(): Promise<void> {
+    const run = ++this.shows;
+    for (const object of this.objects.value) {
+      if (run !== this.shows) return;
+      if (!this.hidden.value.has(object.id) && this.isShown(object)) await this.show(object.id);
+    }
+  }
+
+  /** Scans are no pictures, and a network is part of the picture of its surface. */
+  isShown(object: ObjectEntry): boolean {
+    if (object.kind === 'scan' || object.kind === 'calibration' || object.kind === 'view') return false;
+    if (object.id === this.selected.value) return true;
+    // What something else was made of makes room for what was made of it.
+    return !this.objects.value.some((other) => other.source === object.id);
+  }
+
+  async show(id: string): Promise<Drawn | null> {
+    const entry = this.objects.value.find((one) => one.id === id);
+    if (!entry) return null;
+    const known = this.drawn.value.get(id);
+    if (known && known.version === entry.version && !known.coarse) return known;
+    return this.guard(entry.name, async () => {
+      const from = performance.now();
+      const answer = await this.ask(entry.name, { op: 'show', object: id });
+      this.lastUpdate.value = { ms: performance.now() - from, coarse: false };
+      return this.keepDrawn(id, entry.version, false, answer);
+    });
+  }
+
+  /**
+   * A slider sets an option of a derived object. While it moves, the coarse surface `show` follows; positions that come
+   * while the engine is at work make place for the last. At rest everything is brought up to date.
+   */
+  slide(target: string, request: RequestOptions, show: string | null, rest: boolean): void {
+    if (this.drag === 0 || !this.dragging) {
+      this.drag++;
+      this.dragging = true;
+    }
+    this.waiting = { target, request, show, rest, drag: this.drag };
+    if (rest) this.dragging = false;
+    if (!this.sliding) void this.runSlides();
+  }
+
+  private async runSlides(): Promise<void> {
+    this.sliding = true;
+    while (this.waiting) {
+      const { target, request, show, rest, drag } = this.waiting;
+      this.waiting = null;
+      try {
+        await this.engine.ask({ op: 'edit', edit: { op: 'request', object: target, request }, drag });
+        await this.refresh();
+        if (rest) await this.showAll();
+        else if (show) await this.follow(show);
+      } catch (error) {
+        this.report(error, 'slider');
+        await this.refresh();
+      }
+    }
+    this.sliding = false;
+  }
+
+  /** The coarse surface of a scan, at once. */
+  private async follow(id: string): Promise<void> {
+    const entry = this.objects.value.find((one) => one.id === id);
+    if (!entry) return;
+    const from = performance.now();
+    const answer = await this.engine.ask({
+      op: 'follow',
+      object: id,
+      moving: true,
+      edge_length: LIVE_EDGE_LENGTH,
+      triangles: !this.drawn.value.get(id)?.coarse,
+    });
+    this.keepDrawn(id, entry.version, true, answer);
+    this.lastUpdate.value = { ms: performance.now() - from, coarse: true };
+  }
+
+  async computeValues(id: string, shading: string): Promise<void> {
+    await this.guard(shading, async () => {
+      const { json, arrays } = await this.ask(shading, { op: 'values', object: id, shading });
+      this.values.value = {
+        object: id,
+        shading,
+        values: arrays.values as Float32Array<ArrayBuffer>,
+        low: json.low as number,
+        high: json.high as number,
+        title: json.title as string,
+      };
+    });
+  }
+
+  async computeDistances(id: string, truth: string): Promise<void> {
+    await this.guard('distance', async () => {
+      const { json, arrays } = await this.ask('distance', { op: 'distances', object: id, truth });
+      this.values.value = {
+        object: id,
+        shading: 'error',
+        values: arrays.values as Float32Array<ArrayBuffer>,
+        low: json.low as number,
+        high: json.high as number,
+        title: json.title as string,
+        figures: { mean: json.mean as number, rms: json.rms as number, max: json.max as number },
+      };
+    });
+  }
+
+  async computeContinuity(id: string, tolerance: number, curves?: string): Promise<void> {
+    await this.guard('continuity', async () => {
+      const message = { op: 'continuity', object: id, tolerance, ...(curves ? { curves } : {}) };
+      const { json } = await this.ask('continuity', message);
+      this.continuity.value = { object: id, tolerance, ...(json as unknown as Omit<Continuity, 'object' | 'tolerance'>) };
+    });
+  }
+
+  /** The bytes of a file: of one object, or of the whole project. */
+  async save(id: string | null, format: string): Promise<Uint8Array<ArrayBuffer> | null> {
+    return this.guard('save', async () => {
+      const { json, arrays } = await this.ask('save', id ? { op: 'save', object: id, format } : { op: 'save' });
+      for (const text of (json.warnings as string[]) ?? []) this.tell('warning', text);
+      return arrays.file as Uint8Array<ArrayBuffer>;
+    });
+  }
+
+  /** Ends what the engine does. The project comes back from the journal, as it was before. */
+  async cancel(): Promise<void> {
+    if (!this.kept.value) {
+      this.tell('warning', 'This browser keeps no journal, so that stopping would lose the project.', 'Wait for the end.');
+      return;
+    }
+    await this.start(true);
+    this.tell('info', 'Stopped. The project is as it was before.');
+  }
+
+  // ---- telling ----------------------------------------------------------------------------------------------------
+
+  tell(level: Notice['level'], text: string, remedy?: string): void {
+    const notice: Notice = { id: ++this.noticeId, level, text, ...(remedy ? { remedy } : {}) };
+    this.notices.value = [...this.notices.value.filter((one) => one.text !== text), notice].slice(-30);
+  }
+  dismiss(id: number): void {
+    this.notices.value = this.notices.value.filter((one) => one.id !== id);
+  }
+
+  // ---- inside -----------------------------------------------------------------------------------------------------
+
+  private async ask(what: string, message: Message, bytes?: ArrayBuffer): Promise<Success> {
+    this.work.value = { what, stage: '', fraction: 0 };
+    try {
+      return await this.engine.ask(message, bytes, (stage, fraction) => {
+        this.work.value = { what, stage, fraction };
+      });
+    } finally {
+      this.work.value = null;
+    }
+  }
+
+  private async guard<T>(what: string, body: () => Promise<T>): Promise<T | null> {
+    try {
+      return await body();
+    } catch (error) {
+      this.report(error, what);
+      return null;
+    }
+  }
+
+  private report(error: unknown, what: string): void {
+    if (error instanceof EngineError) {
+      if (error.kind !== 'cancelled') this.tell('error', error.message, error.remedy);
+    } else {
+      this.tell('error', `${what}: ${error instanceof Error ? error.message : String(error)}`);
+    }
+  }
+
+  private keepDrawn(id: string, version: number, coarse: boolean, { json, arrays }: Success): Drawn {
+    const before = this.drawn.value.get(id);
+    const triangles = (arrays.triangles ?? before?.triangles) as Uint32Array<ArrayBuffer> | undefined;
+    const vertex = arrays['network.vertices'] as Uint32Array<ArrayBuffer> | undefined;
+    const drawn: Drawn = {
+      id,
+      version,
+      coarse,
+      origin: (json.origin as [number, number, number] | undefined) ?? [0, 0, 0],
+      curves: (json.curves as Drawn['curves'] | undefined) ?? [],
+      warnings: (json.warnings as string[] | undefined) ?? (coarse ? (before?.warnings ?? []) : []),
+      flaws: (json.flaws as string[] | undefined) ?? [],
+      ...(arrays.positions ? { positions: arrays.positions as Float32Array<ArrayBuffer> } : {}),
+      ...(arrays.normals ? { normals: arrays.normals as Float32Array<ArrayBuffer> } : {}),
+      ...(triangles ? { triangles } : {}),
+      ...(arrays['network.positions'] && vertex
+        ? {
+            network: {
+              positions: arrays['network.positions'] as Float32Array<ArrayBuffer>,
+              vertices: vertex,
+              nodes: arrays['network.nodes'] as Uint32Array<ArrayBuffer>,
+              ...(arrays['network.normals'] ? { normals: arrays['network.normals'] as Float32Array<ArrayBuffer> } : {}),
+            },
+          }
+        : {}),
+      ...(json.mesh ? { mesh: json.mesh as NonNullable<Drawn['mesh']> } : {}),
+      ...(json.report ? { report: json.report as NonNullable<Drawn['report']> } : {}),
+      ...(coarse
+        ? { live: { lambda: json.lambda as number, mu: json.mu as number, misfit: json.misfit as number } }
+        : {}),
+      ...(json.times ? { times: json.times as NonNullable<Drawn['times']> } : {}),
+    };
+    const map = new Map(this.drawn.value);
+    map.set(id, drawn);
+    batch(() => {
+      if (this.values.value?.object === id) this.values.value = null;
+      if (this.continuity.value?.object === id && !coarse) this.continuity.value = null;
+      this.drawn.value = map;
+    });
+    return drawn;
+  }
+
+  private forget(): void {
+    batch(() => {
+      this.drawn.value = new Map();
+      this.selected.value = null;
+      this.hidden.value = new Set();
+      this.values.value = null;
+      this.continuity.value = null;
+    });
+  }
+
+  private async refresh(): Promise<void> {
+    const { json } = await this.engine.ask({ op: 'document' });
+    const objects = json.objects as ObjectEntry[];
+    const there = new Set(objects.map((one) => one.id));
+    batch(() => {
+      this.objects.value = objects;
+      this.outdated.value = new Set(json.outdated as string[]);
+      this.canUndo.value = json.can_undo as boolean;
+      this.canRedo.value = json.can_redo as boolean;
+      this.log.value = json.log as string[];
+      if (this.selected.value && !there.has(this.selected.value)) this.selected.value = null;
+      if ([...this.drawn.value.keys()].some((id) => !there.has(id)))
+        this.drawn.value = new Map([...this.drawn.value].filter(([id]) => there.has(id)));
+    });
+  }
+}

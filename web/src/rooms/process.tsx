@@ -1,0 +1,203 @@
+/** Steps on meshes. Each makes a new object, so that the one before stays to compare with, and undo takes it back. */
+import { useState } from 'preact/hooks';
+import type { App } from '../app';
+import type { RequestOptions } from '../document/types';
+import { Check, Choice, Figures, Section, Slider } from '../ui/controls';
+import { degrees, short } from '../ui/numbers';
+import { Sentences } from './reconstruct';
+
+type Step = 'fair' | 'remesh' | 'simplify' | 'subdivide';
+
+interface Settings {
+  fairMethod: string;
+  keepBoundary: boolean;
+  vertices: number;
+  adaptivity: number;
+  keepEdges: number;
+  remove: number;
+  scheme: string;
+  levels: number;
+}
+
+/** The request of a step, and the command line that does the same. */
+export function stepOf(step: Step, settings: Settings, name: string): { request: RequestOptions; command: string } {
+  const file = `${name.replace(/\s+/g, '-')}.ply`;
+  const start = `batten ${step} ${file} -o ${file.replace('.ply', `-${step}.ply`)}`;
+  const radians = (settings.keepEdges * Math.PI) / 180;
+  switch (step) {
+    case 'fair':
+      return {
+        request: { kind: 'fair', method: settings.fairMethod, keep_boundary: settings.keepBoundary },
+        command: `${start} --method ${settings.fairMethod}${settings.keepBoundary ? ' --keep-boundary' : ''}`,
+      };
+    case 'remesh':
+      return {
+        request: { kind: 'remesh', n_vertices: settings.vertices, adaptivity: settings.adaptivity, keep_edges: radians },
+        command: `${start} --vertices ${settings.vertices} --adaptivity ${settings.adaptivity} --keep-edges ${settings.keepEdges}deg`,
+      };
+    case 'simplify':
+      return {
+        request: { kind: 'simplify', remove: settings.remove / 100 },
+        command: `${start} --remove ${settings.remove}%`,
+      };
+    case 'subdivide':
+      return {
+        request: { kind: 'subdivide', scheme: settings.scheme, levels: settings.levels },
+        command: `${start} --scheme ${settings.scheme} --levels ${settings.levels}`,
+      };
+  }
+}
+
+const TITLES: Record<Step, string> = {
+  fair: 'Remove noise',
+  remesh: 'New triangles',
+  simplify: 'Fewer triangles',
+  subdivide: 'Subdivide',
+};
+
+export function ProcessPanel({ app }: { app: App }) {
+  const { store } = app;
+  const object = store.selectedObject.value;
+  const [step, setStep] = useState<Step>('fair');
+  const [settings, setSettings] = useState<Settings>({
+    fairMethod: 'auto',
+    keepBoundary: false,
+    vertices: 0,
+    adaptivity: 0.1,
+    keepEdges: 30,
+    remove: 50,
+    scheme: 'catmull-clark',
+    levels: 2,
+  });
+  if (object?.kind !== 'mesh') return <p class="empty">Select a mesh in the outline.</p>;
+  const set = (patch: Partial<Settings>) => setSettings({ ...settings, ...patch });
+  const drawn = store.drawn.value.get(object.id);
+  const before = object.source ? store.drawn.value.get(object.source) : undefined;
+  const used = { ...settings, vertices: settings.vertices || (drawn?.mesh?.n_vertices ?? 1000) };
+  const { request, command } = stepOf(step, used, object.name);
+  const isResult = object.request !== undefined && ['fair', 'remesh', 'simplify', 'subdivide'].includes(object.request.kind);
+  return (
+    <>
+      <h2>{object.name}</h2>
+      <Section title="Step">
+        <Choice
+          label="Do"
+          value={step}
+          options={(Object.keys(TITLES) as Step[]).map((one) => [one, TITLES[one]] as const)}
+          onChange={setStep}
+        />
+        {step === 'fair' && (
+          <>
+            <Choice
+              label="Method"
+              help="Automatic measures the noise and keeps edges."
+              value={settings.fairMethod}
+              options={[
+                ['auto', 'automatic'],
+                ['nlsdf', 'nonlocal surface diffusion'],
+                ['sdf', 'surface diffusion'],
+                ['mcf', 'mean curvature flow'],
+                ['bilaplacian', 'bi-Laplacian'],
+                ['amcf', 'anisotropic mean curvature flow'],
+                ['tv', 'total variation'],
+                ['taubin', 'Taubin'],
+              ]}
+              onChange={(fairMethod) => set({ fairMethod })}
+            />
+            <Check label="Keep the border" value={settings.keepBoundary} onChange={(keepBoundary) => set({ keepBoundary })} />
+          </>
+        )}
+        {step === 'remesh' && (
+          <>
+            <Slider
+              label="Vertices"
+              min={50}
+              max={500_000}
+              logarithmic
+              value={used.vertices}
+              onChange={(value) => set({ vertices: Math.round(value) })}
+            />
+            <Slider
+              label="Adaptivity"
+              help="0: edges of one length. 1: as fine as curvature asks."
+              min={0}
+              max={1}
+              value={settings.adaptivity}
+              onChange={(adaptivity) => set({ adaptivity })}
+            />
+            <Slider
+              label="Keep edges above"
+              unit="°"
+              min={5}
+              max={180}
+              value={settings.keepEdges}
+              onChange={(keepEdges) => set({ keepEdges: Math.round(keepEdges) })}
+            />
+          </>
+        )}
+        {step === 'simplify' && (
+          <Slider
+            label="Remove"
+            unit="%"
+            help="Of the triangles."
+            min={1}
+            max={99.9}
+            value={settings.remove}
+            onChange={(remove) => set({ remove: Number(remove.toPrecision(3)) })}
+          />
+        )}
+        {step === 'subdivide' && (
+          <>
+            <Choice
+              label="Scheme"
+              value={settings.scheme}
+              options={[
+                ['catmull-clark', 'Catmull–Clark'],
+                ['nuliss', 'NULISS, through the vertices'],
+                ['nulissmod', 'NULISS, modified'],
+                ['linear', 'linear'],
+              ]}
+              onChange={(scheme) => set({ scheme })}
+            />
+            <Slider
+              label="Levels"
+              help="Each level has four times as many triangles."
+              min={1}
+              max={5}
+              step={1}
+              value={settings.levels}
+              onChange={(levels) => set({ levels: Math.round(levels) })}
+            />
+          </>
+        )}
+        <button type="button" class="primary" onClick={() => void app.process(object.id, `${object.name} ${step}`, request)}>
+          {TITLES[step]}
+        </button>
+        <label class="command">
+          The same on the command line
+          <input type="text" readOnly value={command} onFocus={(event) => event.currentTarget.select()} />
+        </label>
+      </Section>
+      {isResult && (
+        <Section title="Before and after">
+          <Check
+            label="Show the one before"
+            value={app.showBefore.value}
+            onChange={(value) => void app.setShowBefore(value)}
+          />
+          <Figures
+            rows={[
+              ['triangles', `${short(before?.mesh?.n_triangles)} → ${short(drawn?.mesh?.n_triangles)}`],
+              ['smallest angle', `${degrees(before?.mesh?.smallest_angle)} → ${degrees(drawn?.mesh?.smallest_angle)}`],
+              ['closed', drawn?.mesh ? (drawn.mesh.closed ? 'yes' : 'no') : '–'],
+            ]}
+          />
+          <Sentences title="Warnings" list={drawn?.warnings ?? []} />
+          <button type="button" onClick={() => void app.throwAway(object.id)}>
+            Throw away
+          </button>
+        </Section>
+      )}
+    </>
+  );
+}

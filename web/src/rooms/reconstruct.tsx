@@ -1,0 +1,221 @@
+/** From a scan to its surface: what the sliders of `batten reconstruct` set, seen at once. */
+import type { App } from '../app';
+import type { ObjectEntry, RequestOptions } from '../document/types';
+import { Check, Choice, Figures, Section, Slider } from '../ui/controls';
+import { length, percent, short } from '../ui/numbers';
+
+/** The scan, network and surface that the selection belongs to. */
+export function chainOf(objects: ObjectEntry[], selected: string | null) {
+  const find = (id: string | undefined) => objects.find((one) => one.id === id);
+  let surface = find(selected ?? undefined);
+  if (surface?.kind === 'scan') surface = objects.find((one) => one.source === surface?.id);
+  if (surface?.kind === 'network') surface = objects.find((one) => one.source === surface?.id) ?? surface;
+  while (surface && surface.request?.kind !== 'surface') {
+    const source = find(surface.source);
+    if (!source) break;
+    surface = source;
+  }
+  if (surface?.request?.kind !== 'surface') return null;
+  const network = find(surface.source);
+  const scan = find(network?.source);
+  return network && scan ? { scan, network, surface } : null;
+}
+
+interface Relative {
+  value: number;
+  kind: string;
+}
+
+export function ReconstructPanel({ app }: { app: App }) {
+  const { store } = app;
+  const chain = chainOf(store.objects.value, store.selected.value);
+  if (!chain) return <Welcome app={app} />;
+  const { scan, network, surface } = chain;
+  const drawn = store.drawn.value.get(surface.id);
+  const report = store.drawn.value.get(network.id)?.report;
+  const options = network.request as RequestOptions;
+  const filling = surface.request?.surface as RequestOptions & { surface: RequestOptions };
+  const isGiven = options.weights === 'given';
+  const lambda = isGiven ? (options.lambda as number) : (report?.lambda ?? drawn?.live?.lambda ?? 0);
+  const mu = isGiven ? (options.mu as number) : (report?.mu ?? drawn?.live?.mu ?? 0);
+  const setNetwork = (patch: object, rest = true) =>
+    store.slide(network.id, { ...options, ...patch }, surface.id, rest);
+  const setSurface = (patch: object, rest = true) =>
+    store.slide(
+      surface.id,
+      { ...(surface.request as RequestOptions), surface: { ...filling, ...patch } },
+      surface.id,
+      rest,
+    );
+  const step = options.step as Relative | null;
+  const edge = filling.edge_length as unknown as Relative | null;
+  return (
+    <>
+      <h2>{scan.name}</h2>
+      <Section title="Samples">
+        <Slider
+          label="Step h"
+          help="Distance between samples of the curves. Larger is smoother and faster."
+          unit="%"
+          min={0.4}
+          max={6}
+          logarithmic
+          value={100 * (step?.value ?? 0.016)}
+          onChange={(value, rest) => setNetwork({ step: { value: value / 100, kind: 'relative' } }, rest)}
+        />
+        <Slider
+          label="Blur σ"
+          help="Radius over which readings are averaged, as a part of the step."
+          min={0.05}
+          max={2}
+          value={options.sigma as number}
+          onChange={(value, rest) => setNetwork({ sigma: value }, rest)}
+        />
+        <Check
+          label="Robust"
+          help="Readings far off the curve lose their say."
+          value={options.robust as boolean}
+          onChange={(robust) => setNetwork({ robust })}
+        />
+      </Section>
+      <Section title="Weights">
+        <Choice
+          label="Weights"
+          help="How smooth the curves are against how well they follow the readings."
+          value={options.weights as string}
+          options={[
+            ['auto', 'automatic, from the data'],
+            ['thesis', 'λ = 1, μ = 100'],
+            ['given', 'as set below'],
+          ]}
+          onChange={(weights) => setNetwork(weights === 'given' ? { weights, lambda, mu } : { weights })}
+        />
+        <Slider
+          label="λ"
+          help="Resists the turning of the frames."
+          min={1e-6}
+          max={100}
+          logarithmic
+          value={Math.max(lambda, 1e-6)}
+          onChange={(value, rest) => setNetwork({ weights: 'given', lambda: value, mu }, rest)}
+        />
+        <Slider
+          label="μ"
+          help="Resists the change of that turning."
+          min={1e-6}
+          max={1000}
+          logarithmic
+          value={Math.max(mu, 1e-6)}
+          onChange={(value, rest) => setNetwork({ weights: 'given', lambda, mu: value }, rest)}
+        />
+        <Choice
+          label="Lengths"
+          help="What the distances of the readings are worth."
+          value={options.lengths as string}
+          options={[
+            ['measured', 'measured'],
+            ['estimated', 'estimated from closure'],
+          ]}
+          onChange={(lengths) => setNetwork({ lengths })}
+        />
+      </Section>
+      <Section title="Surface">
+        <Slider
+          label="Edge length"
+          help="Of the triangles inside patches, as a part of the diameter."
+          unit="%"
+          min={0.4}
+          max={5}
+          logarithmic
+          value={edge ? 100 * edge.value : 1.2}
+          onChange={(value, rest) => setSurface({ edge_length: { value: value / 100, kind: 'relative' } }, rest)}
+        />
+        <Choice
+          label="Method"
+          help="How the inside of a patch follows from its curves."
+          value={filling.surface.method as string}
+          options={[
+            ['curvature', 'curvature from normals'],
+            ['harmonic', 'harmonic'],
+            ['biharmonic', 'biharmonic'],
+            ['triharmonic', 'triharmonic'],
+            ['biharmonic-normals', 'biharmonic with normals'],
+          ]}
+          onChange={(method) => setSurface({ surface: { ...filling.surface, method } })}
+        />
+        <Check
+          label="Soft"
+          help="The surface may leave the curves a little where that makes it fairer."
+          value={filling.surface.soft_constraints as boolean}
+          onChange={(soft_constraints) => setSurface({ surface: { ...filling.surface, soft_constraints } })}
+        />
+      </Section>
+      <Section title="Result">
+        <Figures
+          rows={[
+            ['curves', short(drawn?.curves.length)],
+            ['readings', short(report?.n_readings)],
+            ['samples', short(report?.n_samples)],
+            ['loops miss by', report ? `${percent(report.misfit / report.size)} of the size` : '–'],
+            ['before', report ? percent(report.misfit_before / report.size) : '–'],
+            ['triangles', short(drawn?.mesh?.n_triangles ?? (drawn?.triangles?.length ?? 0) / 3)],
+            ['closed', drawn?.mesh ? (drawn.mesh.closed ? 'yes' : `no, ${drawn.mesh.n_borders} borders`) : '–'],
+            ['diameter', length(drawn?.mesh?.diameter, surface.unit)],
+          ]}
+        />
+        <Distrusted app={app} scanCurves={drawn?.curves.map((curve) => curve.name) ?? []} shares={report?.distrusted ?? []} />
+        <Sentences title="Warnings" list={[...(drawn?.flaws ?? []), ...(drawn?.warnings ?? [])]} />
+      </Section>
+    </>
+  );
+}
+
+/** Curves whose readings the robust loss holds for wrong in a good part: to be recorded again. */
+function Distrusted(props: { app: App; scanCurves: string[]; shares: number[] }) {
+  const list = props.shares
+    .map((share, i) => ({ share, name: props.scanCurves[i] || `curve ${i + 1}` }))
+    .filter((one) => one.share > 0.02)
+    .sort((a, b) => b.share - a.share);
+  if (list.length === 0) return null;
+  return (
+    <>
+      <h3>Record again</h3>
+      <ul class="plain">
+        {list.map((one) => (
+          <li key={one.name}>
+            {one.name}: {percent(one.share)} of its readings are distrusted
+          </li>
+        ))}
+      </ul>
+    </>
+  );
+}
+
+export function Sentences(props: { title: string; list: string[] }) {
+  if (props.list.length === 0) return null;
+  return (
+    <>
+      <h3>{props.title}</h3>
+      <ul class="sentences">
+        {props.list.map((text) => (
+          <li key={text}>{text}</li>
+        ))}
+      </ul>
+    </>
+  );
+}
+
+function Welcome({ app }: { app: App }) {
+  return (
+    <div class="welcome">
+      <h2>From curves to a surface</h2>
+      <p>Open a scan (.rawnet, a sensor log), a curve network, or a mesh. Nothing leaves this computer.</p>
+      <button type="button" class="primary" onClick={() => void app.openSample()}>
+        Open the sample scan
+      </button>
+      <button type="button" onClick={() => void app.chooseFiles()}>
+        Open a file…
+      </button>
+    </div>
+  );
+}

@@ -1,0 +1,79 @@
+/** The way of somebody who has never seen it: sample scan, stripes, a slider, a file; then undo, and a window that was closed. */
+import { readFileSync } from 'node:fs';
+import { expect, test } from '@playwright/test';
+import { openSample, stripes, triangles } from './page';
+
+test('sample scan, stripes, a slider, a file, undo, and back after the window was closed', async ({ page }) => {
+  const errors: string[] = [];
+  page.on('pageerror', (error) => errors.push(error.message));
+  await openSample(page);
+  await expect(page.getByText(/^All|kept in this browser/).first()).toBeVisible();
+  const fine = await triangles(page);
+
+  await page.keyboard.press('Control+2');
+  await page.getByLabel('Shading').selectOption('isophotes');
+  expect(await stripes(page)).toBeGreaterThan(5);
+  await page.getByRole('button', { name: 'Check all curves' }).click();
+  await expect(page.getByText(/smooth curves (pass|fail)/)).toBeVisible({ timeout: 30_000 });
+
+  await page.keyboard.press('Control+1');
+  const step = page.getByRole('spinbutton', { name: 'Step h, %' });
+  await step.fill('3');
+  await step.press('Enter');
+  await expect.poll(() => triangles(page), { timeout: 40_000 }).not.toBe(fine);
+  const coarse = await triangles(page);
+  expect(coarse).toBeGreaterThan(1_000);
+
+  const download = page.waitForEvent('download');
+  await page.getByLabel('Save the selected object as').selectOption('ply');
+  const file = readFileSync(await (await download).path());
+  expect(file.subarray(0, 3).toString()).toBe('ply');
+  expect(file.subarray(0, 2000).toString('latin1')).toContain(`element face ${coarse}\n`);
+
+  await page.keyboard.press('Control+z');
+  await expect.poll(() => triangles(page), { timeout: 40_000 }).toBe(fine);
+
+  await page.reload();
+  await expect.poll(() => triangles(page), { timeout: 40_000 }).toBe(fine);
+  expect(errors).toEqual([]);
+});
+
+test('a file that is none is refused in words, and nothing is lost', async ({ page }) => {
+  await page.goto('/');
+  await expect.poll(() => page.evaluate(() => globalThis.batten?.store.started.value)).toBe(true);
+  await page.evaluate(() => globalThis.batten?.openFiles([['broken.ply', new Blob(['ply\nformat nonsense'])]]));
+  await expect(page.getByRole('alert')).toContainText('broken.ply');
+  await page.evaluate(() => globalThis.batten?.openFiles([['notes.xyz', new Blob(['hello'])]]));
+  await expect(page.getByRole('alert').last()).toContainText('notes.xyz');
+  expect(await page.evaluate(() => globalThis.batten?.store.objects.value.length)).toBe(0);
+});
+
+test('works without a network after one visit', async ({ page, context }) => {
+  await openSample(page);
+  await page.evaluate(() => navigator.serviceWorker.ready);
+  await context.setOffline(true);
+  await page.reload();
+  await expect.poll(() => triangles(page), { timeout: 40_000 }).toBeGreaterThan(10_000);
+});
+
+test('every command can be reached by the keyboard', async ({ page }) => {
+  await openSample(page);
+  await page.keyboard.press('Control+k');
+  await page.getByLabel('Words of a command').fill('reflection');
+  await page.keyboard.press('Enter');
+  expect(await page.evaluate(() => globalThis.batten?.look.value.shading)).toBe('reflection-lines');
+  expect(await stripes(page)).toBeGreaterThan(3);
+});
+
+for (const [width, height] of [[360, 640], [768, 1024], [1280, 800], [2560, 1440]] as const)
+  test(`nothing is cut off at ${width} × ${height}`, async ({ page }) => {
+    await page.setViewportSize({ width, height });
+    await page.goto('/');
+    await expect(page.getByRole('button', { name: 'Open the sample scan' })).toBeVisible();
+    const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+    expect(wide).toBeLessThanOrEqual(0);
+    for (const button of await page.getByRole('button').all()) {
+      const box = await button.boundingBox();
+      if (box) expect(box.x + box.width).toBeLessThanOrEqual(width);
+    }
+  });

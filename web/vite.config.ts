@@ -1,0 +1,44 @@
+import { createHash } from 'node:crypto';
+import { readFileSync } from 'node:fs';
+import { fileURLToPath } from 'node:url';
+import { defineConfig, type Plugin } from 'vite';
+
+const at = (path: string) => fileURLToPath(new URL(path, import.meta.url));
+
+/** Adds sw.js, which keeps the page for use without a network: its list holds every file of the build. */
+function offline(): Plugin {
+  return {
+    name: 'batten-offline',
+    apply: 'build',
+    generateBundle(_options, bundle) {
+      const files = Object.keys(bundle).filter((name) => !name.endsWith('.map'));
+      const hash = createHash('sha256');
+      for (const name of files.sort()) {
+        const file = bundle[name];
+        hash.update(name);
+        if (file) hash.update(file.type === 'chunk' ? file.code : file.source);
+      }
+      const source = readFileSync(at('src/offline.js'), 'utf8')
+        .replace("'VERSION'", JSON.stringify(hash.digest('hex').slice(0, 16)))
+        .replace("['FILES']", JSON.stringify(['./', ...files.filter((name) => name !== 'index.html')]));
+      this.emitFile({ type: 'asset', fileName: 'sw.js', source });
+    },
+  };
+}
+
+export default defineConfig({
+  base: './', // the page works from any folder of any server
+  plugins: [offline()],
+  resolve: {
+    alias: [
+      // Made by tools/build web. Patterns: what is imported ends in ?url.
+      { find: /^batten-engine-wasm/, replacement: at('../build/web/engine/batten_engine.wasm') },
+      { find: /^batten-engine/, replacement: at('../build/web/engine/batten_engine.mjs') },
+      { find: /^batten-sample/, replacement: at('../data/sample.rawnet') },
+    ],
+  },
+  build: { target: 'es2022', sourcemap: false, chunkSizeWarningLimit: 900, assetsInlineLimit: 0 },
+  worker: { format: 'es' },
+  server: { fs: { allow: [at('..')] } },
+  test: { include: ['tests/unit/**/*.test.ts'] },
+} as Parameters<typeof defineConfig>[0]);
