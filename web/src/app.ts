@@ -4,14 +4,17 @@ import sample from 'batten-sample?url';
 import { ACCEPTED, bytesOf, choose, download, fileName } from './document/files';
 import type { Store } from './document/store';
 import type { Drawn, RequestOptions } from './document/types';
+import { Sketching } from './rooms/sketching';
 import { register } from './ui/commands';
 import type { NamedView } from './view/camera';
+import { Drawing } from './view/drawing';
 import type { Shading } from './view/materials';
 import type { View } from './view/scene';
 
-export type Room = 'reconstruct' | 'inspect' | 'process';
+export type Room = 'reconstruct' | 'sketch' | 'inspect' | 'process';
 export const ROOMS: readonly (readonly [Room, string])[] = [
   ['reconstruct', 'Reconstruct'],
+  ['sketch', 'Sketch'],
   ['inspect', 'Inspect'],
   ['process', 'Process'],
 ];
@@ -42,7 +45,9 @@ export class App {
   readonly theme = signal<'system' | 'light' | 'dark'>('system');
   /** The colour bars as backgrounds, from below to above. */
   readonly ramps = signal({ sequential: '', diverging: '' });
+  readonly sketch = new Sketching(this);
   view: View | null = null;
+  drawing: Drawing | null = null;
   private readonly started: Promise<void>;
 
   constructor(readonly store: Store) {
@@ -56,6 +61,9 @@ export class App {
   /** The view follows the store. */
   attach(view: View): void {
     this.view = view;
+    this.drawing = new Drawing(view);
+    this.drawing.onStroke = (stroke) => void this.sketch.draw(stroke);
+    this.drawing.onPick = (found) => void (this.sketch.curve.value = found && found.curve >= 0 ? found.curve : null);
     void this.started.then(async () => {
       const { arrays } = await this.store.engine.ask({ op: 'colours' });
       const sequential = arrays.sequential as Float32Array;
@@ -257,6 +265,10 @@ export class App {
         when: hasMesh,
         run: () => this.setLook({ shading }),
       })),
+      { id: 'draw', title: 'Draw', keys: 'D', when: () => this.room.value === 'sketch', run: () => void (this.sketch.tool.value = 'draw') },
+      { id: 'look', title: 'Turn the view instead of drawing', keys: 'V', when: () => this.room.value === 'sketch', run: () => void (this.sketch.tool.value = 'look') },
+      { id: 'new-sketch', title: 'New sketch', run: () => { this.room.value = 'sketch'; return this.sketch.begin(); } },
+      { id: 'delete-curve', title: 'Delete the curve', keys: 'X', when: () => this.room.value === 'sketch' && this.sketch.curve.value !== null, run: () => this.sketch.remove() },
       { id: 'curves', title: 'Show or hide curves', keys: 'C', run: () => this.setLook({ curves: !this.look.value.curves }) },
       ...ROOMS.map(([room, title], i) => ({
         id: `room-${room}`,

@@ -205,6 +205,11 @@ void Engine::State::show(Draft& draft, const Json& message, const Progress& prog
     detail::draw_network(draft, made->network, origin);
     draft.json["flaws"] = made->surface.flaws;
     draft.json["n_patches"] = made->surface.n_cycles;
+  } else if (const auto* modelled = std::get_if<ModelSurface>(result.get())) {
+    const Eigen::RowVector3d origin = detail::draw_model(draft, document.model(object.derived()->source));
+    detail::draw_mesh(draft, modelled->mesh, origin);
+    if (modelled->soundness && !modelled->soundness->is_sound())
+      draft.json["flaws"] = {modelled->soundness->sentence()};
   } else {
     detail::draw(draft, content_of(result));
   }

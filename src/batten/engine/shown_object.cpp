@@ -120,7 +120,7 @@ void draw_network(Draft& draft, const CurveNetwork& network, const Eigen::RowVec
   draft.json["curves"] = std::move(curves);
 }
 
-void draw_model(Draft& draft, const PolylineMesh& model) {
+Eigen::RowVector3d draw_model(Draft& draft, const PolylineMesh& model) {
   Json curves = Json::array();
   std::vector<Eigen::RowVector3d> points;
   for (std::size_t e = 0; e < model.edges().size(); ++e) {
@@ -128,6 +128,8 @@ void draw_model(Draft& draft, const PolylineMesh& model) {
     if (!edge.alive || !edge.drawn) continue;
     const Points& line = edge.polyline->points();
     curves.push_back({{"name", "c" + std::to_string(edge.curve)},
+                      {"curve", edge.curve},
+                      {"sharpness", edge.sharpness},
                       {"boundary", edge.faces[0] < 0 || edge.faces[1] < 0},
                       {"sharp", edge.sharpness > 0},
                       {"closed", false},
@@ -147,6 +149,7 @@ void draw_model(Draft& draft, const PolylineMesh& model) {
   draft.add_indices("network.vertices", vertices);
   draft.add_indices("network.nodes", {});
   draft.json["curves"] = std::move(curves);
+  return origin;
 }
 
 void draw(Draft& draft, const Content& content) {

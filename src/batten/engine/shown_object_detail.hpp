@@ -35,8 +35,9 @@ void draw_mesh(Draft& draft, const TriangleMesh& mesh, const Eigen::RowVector3d&
 /// one after the other) and network.nodes; the curves under "curves".
 void draw_network(Draft& draft, const CurveNetwork& network, const Eigen::RowVector3d& origin);
 
-/// The same of the curves of a model.
-void draw_model(Draft& draft, const PolylineMesh& model);
+/// The same of the drawn curves of a model, a piece for every edge. @return their middle, which is the
+/// origin.
+Eigen::RowVector3d draw_model(Draft& draft, const PolylineMesh& model);
 
 /// The whole reply for an object that has content. Its origin is the middle of what is shown.
 void draw(Draft& draft, const Content& content);

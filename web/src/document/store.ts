@@ -111,6 +111,12 @@ export class Store {
     return done === true;
   }
 
+  /** An edit whose refusal the caller shows. @throws EngineError */
+  async send(edit: Edit): Promise<void> {
+    await this.engine.ask({ op: 'edit', edit });
+    await this.refresh();
+  }
+
   async undo(): Promise<void> {
     if (this.canUndo.value && (await this.edit({ op: 'undo' }))) await this.showAll();
   }
@@ -139,8 +145,9 @@ export class Store {
   isShown(object: ObjectEntry): boolean {
     if (object.kind === 'scan' || object.kind === 'calibration' || object.kind === 'view') return false;
     if (object.id === this.selected.value) return true;
-    // What something else was made of makes room for what was made of it.
-    return !this.objects.value.some((other) => other.source === object.id);
+    // What something else was made of makes room for what was made of it; a model not before its surface is there.
+    const made = this.objects.value.filter((other) => other.source === object.id);
+    return object.kind === 'model' ? !made.some((other) => this.drawn.value.has(other.id)) : made.length === 0;
   }
 
   async show(id: string): Promise<Drawn | null> {
@@ -202,6 +209,11 @@ export class Store {
     });
     this.keepDrawn(id, entry.version, true, answer);
     this.lastUpdate.value = { ms: performance.now() - from, coarse: true };
+  }
+
+  /** What could not be made anew is not shown as it was. */
+  dropDrawn(id: string): void {
+    this.drawn.value = new Map([...this.drawn.value].filter(([other]) => other !== id));
   }
 
   async computeValues(id: string, shading: string): Promise<void> {

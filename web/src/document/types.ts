@@ -32,6 +32,9 @@ export interface CurveEntry {
   boundary: boolean;
   sharp: boolean;
   closed: boolean;
+  /** Its number and sharpness in a model. */
+  curve?: number;
+  sharpness?: number;
   /** Where its vertices stand in Drawn.network.vertices. */
   first: number;
   n: number;

@@ -5,6 +5,7 @@ import type { Notice } from '../document/store';
 import { InspectPanel } from '../rooms/inspect';
 import { ProcessPanel } from '../rooms/process';
 import { ReconstructPanel } from '../rooms/reconstruct';
+import { SketchPanel } from '../rooms/sketch';
 import { View } from '../view/scene';
 import { available, commands } from './commands';
 import { milliseconds, short } from './numbers';
@@ -47,6 +48,7 @@ export function Shell({ app }: { app: App }) {
       <aside class="panel" aria-label="Panel of the room">
         <Outline app={app} />
         {app.room.value === 'reconstruct' && <ReconstructPanel app={app} />}
+        {app.room.value === 'sketch' && <SketchPanel app={app} />}
         {app.room.value === 'inspect' && <InspectPanel app={app} />}
         {app.room.value === 'process' && <ProcessPanel app={app} />}
       </aside>
@@ -219,7 +221,7 @@ function Status({ app }: { app: App }) {
   return (
     <footer class="status">
       {object && <span>{object.unit || 'no unit'}</span>}
-      {drawn && drawn.curves.length > 0 && <span>{drawn.curves.length} curves</span>}
+      {drawn && drawn.curves.length > 0 && <span>{new Set(drawn.curves.map((one, i) => one.curve ?? i)).size} curves</span>}
       {triangles > 0 && (
         <span>
           {short(triangles)} triangles{drawn?.coarse ? ', preview' : ''}

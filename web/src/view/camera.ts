@@ -27,6 +27,8 @@ export class ViewCamera {
   elevation = HOME.elevation;
   readonly target = new Vector3();
   distance = 3;
+  /** Asked first about every pointer that goes down; true: it is not for the camera. */
+  intercept: (event: PointerEvent) => boolean = () => false;
   private radius = 1;
 
   /** @param pick the point of the scene under a pixel, or null. @param changed is called to draw again. */
@@ -115,6 +117,7 @@ export class ViewCamera {
     this.element.addEventListener('contextmenu', (event) => event.preventDefault());
     this.element.addEventListener('pointerdown', (event) => {
       this.element.setPointerCapture(event.pointerId);
+      if (this.intercept(event)) return;
       const place = at(event);
       pointers.set(event.pointerId, place);
       about = pointers.size === 1 ? (this.pick(place.x, place.y) ?? this.target.clone()) : null;

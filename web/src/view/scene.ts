@@ -4,12 +4,15 @@ import {
   BufferGeometry,
   Color,
   DynamicDrawUsage,
+  GridHelper,
   Group,
+  Line,
   LineBasicMaterial,
   LineSegments,
   Mesh,
   Points,
   PointsMaterial,
+  type Ray,
   Raycaster,
   Scene,
   type ShaderMaterial,
@@ -62,6 +65,10 @@ export class View {
   private shown = new Map<string, Shown>();
   private origin: [number, number, number] | null = null;
   private pinned: Points | null = null;
+  private stroke: Line | null = null;
+  private marker: Points | null = null;
+  private grid: GridHelper | null = null;
+  private emptySize = 1;
   private asked = false;
   private look: Look = { shading: 'shaded', stripes: 28, flat: false, curves: true, nodes: true };
   private values: Values | null = null;
@@ -101,7 +108,7 @@ export class View {
       if (old) this.dispose(old);
       this.shown.set(drawn.id, this.build(drawn));
     }
-    if (this.shown.size === 0) this.origin = null;
+    if (this.shown.size === 0 && list.length === 0) this.origin = null;
     this.applyLook();
     if (first && this.shown.size > 0) this.fit();
     this.draw();
@@ -153,6 +160,129 @@ export class View {
       this.scene.add(this.pinned);
       this.camera.target.set(...at).add(shown.group.position);
       this.camera.zoom(1);
+    }
+    this.draw();
+  }
+
+  // ---- drawing on it ----------------------------------------------------------------------------------------------
+
+  /** Where a pointer is, in pixels of the view. */
+  place(event: { clientX: number; clientY: number }): Vector2 {
+    const box = this.element.getBoundingClientRect();
+    return new Vector2(event.clientX - box.left, event.clientY - box.top);
+  }
+
+  ray(x: number, y: number): Ray {
+    const caster = new Raycaster();
+    caster.setFromCamera(
+      new Vector2((2 * x) / this.element.clientWidth - 1, 1 - (2 * y) / this.element.clientHeight),
+      this.camera.camera,
+    );
+    return caster.ray;
+  }
+
+  /** What the view subtracts from coordinates of models. */
+  middle(): [number, number, number] {
+    return this.origin ?? [0, 0, 0];
+  }
+  toModel(point: Vector3): [number, number, number] {
+    const [x, y, z] = this.middle();
+    return [point.x + x, point.y + y, point.z + z];
+  }
+  /** Of what is shown: the radius of the ball around it. */
+  size(): number {
+    return this.shown.size > 0 ? this.bounds().radius || 1 : this.emptySize;
+  }
+  /** How much is seen while nothing is there. */
+  setEmptySize(size: number): void {
+    this.emptySize = size;
+    if (this.shown.size === 0) this.fit();
+  }
+
+  /** The curve that passes nearest to a pixel, within a distance in pixels; its nearest place there. */
+  nearestCurve(
+    x: number,
+    y: number,
+    within: number,
+  ): { object: string; curve: number; name: string; point: Vector3 } | null {
+    let best = within;
+    let found: { object: string; curve: number; name: string; point: Vector3 } | null = null;
+    const { clientWidth: width, clientHeight: height } = this.element;
+    const at = new Vector3();
+    for (const [object, { drawn, group }] of this.shown) {
+      if (!drawn.network) continue;
+      const { positions, vertices } = drawn.network;
+      drawn.curves.forEach((curve) => {
+        let before: { x: number; y: number; point: Vector3 } | null = null;
+        for (let i = curve.first; i < curve.first + curve.n; ++i) {
+          const v = vertices[i] ?? 0;
+          const point = new Vector3(positions[3 * v], positions[3 * v + 1], positions[3 * v + 2]).add(group.position);
+          at.copy(point).project(this.camera.camera);
+          const here = { x: ((at.x + 1) / 2) * width, y: ((1 - at.y) / 2) * height, point };
+          if (before) {
+            const dx = here.x - before.x;
+            const dy = here.y - before.y;
+            const t = Math.min(1, Math.max(0, ((x - before.x) * dx + (y - before.y) * dy) / (dx * dx + dy * dy || 1)));
+            const distance = Math.hypot(before.x + t * dx - x, before.y + t * dy - y);
+            if (distance < best) {
+              best = distance;
+              found = { object, curve: curve.curve ?? -1, name: curve.name, point: before.point.clone().lerp(point, t) };
+            }
+          }
+          before = here;
+        }
+      });
+    }
+    return found;
+  }
+
+  /** The stroke that is being drawn, or was refused, in coordinates of the model; null takes it away. */
+  setStroke(points: readonly (readonly [number, number, number])[] | null, refused = false): void {
+    if (this.stroke) {
+      this.scene.remove(this.stroke);
+      this.stroke.geometry.dispose();
+      this.stroke = null;
+    }
+    if (points && points.length > 1) {
+      const [x, y, z] = this.middle();
+      const geometry = new BufferGeometry().setFromPoints(points.map((one) => new Vector3(one[0] - x, one[1] - y, one[2] - z)));
+      this.stroke = new Line(geometry, new LineBasicMaterial({ color: refused ? FAILS : 0x6a3fb5, depthTest: false }));
+      this.scene.add(this.stroke);
+    }
+    this.draw();
+  }
+
+  /** A place that a stroke would snap to. */
+  highlight(point: Vector3 | null): void {
+    if (!point && !this.marker) return;
+    if (!this.marker) {
+      const geometry = new BufferGeometry();
+      geometry.setAttribute('position', new BufferAttribute(new Float32Array(3), 3));
+      this.marker = new Points(geometry, new PointsMaterial({ color: 0x6a3fb5, size: 9, sizeAttenuation: false, depthTest: false }));
+      this.scene.add(this.marker);
+    }
+    this.marker.visible = point !== null;
+    if (point) this.marker.position.copy(point);
+    this.draw();
+  }
+
+  /** A grid on the plane that strokes lie on; null takes it away. */
+  setGrid(grid: { axis: 'x' | 'y' | 'z'; offset: number } | null): void {
+    if (this.grid) {
+      this.scene.remove(this.grid);
+      this.grid.dispose();
+      this.grid = null;
+    }
+    if (grid) {
+      const size = 2.4 * this.size();
+      this.grid = new GridHelper(size, 12, 0x7f8894, 0xb4bac4);
+      // A grid of three lies across y.
+      if (grid.axis === 'z') this.grid.rotation.x = Math.PI / 2;
+      if (grid.axis === 'x') this.grid.rotation.z = Math.PI / 2;
+      const [x, y, z] = this.middle();
+      this.grid.position.set(-x, -y, -z);
+      this.grid.position[grid.axis] += grid.offset;
+      this.scene.add(this.grid);
     }
     this.draw();
   }
@@ -271,16 +401,16 @@ export class View {
           box.high.max(point);
         }
       }
-    if (!(box.low.x <= box.high.x)) return new Sphere(new Vector3(), 1);
+    if (!(box.low.x <= box.high.x)) return new Sphere(new Vector3(), this.emptySize);
     return new Sphere(box.low.clone().add(box.high).multiplyScalar(0.5), box.low.distanceTo(box.high) / 2);
   }
 
-  private pick(x: number, y: number): Vector3 | null {
+  /** The place of a surface under a pixel. */
+  pick(x: number, y: number): Vector3 | null {
     const meshes = [...this.shown.values()].flatMap((shown) => (shown.mesh ? [shown.mesh] : []));
     if (meshes.length === 0) return null;
-    const place = new Vector2((2 * x) / this.element.clientWidth - 1, 1 - (2 * y) / this.element.clientHeight);
     const caster = new Raycaster();
-    caster.setFromCamera(place, this.camera.camera);
+    caster.ray.copy(this.ray(x, y));
     return caster.intersectObjects(meshes, false)[0]?.point ?? null;
   }
 

@@ -17,8 +17,10 @@ for (const colorScheme of ['light', 'dark'] as const)
     await openSample(page);
     await check('reconstruct');
     await page.keyboard.press('Control+2');
-    await check('inspect');
+    await check('sketch');
     await page.keyboard.press('Control+3');
+    await check('inspect');
+    await page.keyboard.press('Control+4');
     await check('process');
     await page.keyboard.press('Control+k');
     await check('palette');

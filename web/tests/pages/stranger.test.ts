@@ -10,7 +10,7 @@ test('sample scan, stripes, a slider, a file, undo, and back after the window wa
   await expect(page.getByText(/^All|kept in this browser/).first()).toBeVisible();
   const fine = await triangles(page);
 
-  await page.keyboard.press('Control+2');
+  await page.keyboard.press('Control+3');
   await page.getByLabel('Shading').selectOption('isophotes');
   expect(await stripes(page)).toBeGreaterThan(5);
   await page.getByRole('button', { name: 'Check all curves' }).click();
