@@ -1,20 +1,11 @@
 /** Curves drawn in space, and the surface that they carry, as they are drawn. */
 import { useEffect } from 'preact/hooks';
 import type { App } from '../app';
-import type { ObjectEntry, RequestOptions } from '../document/types';
+import type { RequestOptions } from '../document/types';
 import { Check, Choice, Figures, Section, Slider } from '../ui/controls';
 import { short } from '../ui/numbers';
 import { Sentences } from './reconstruct';
-
-/** The model and its surface that the selection belongs to. */
-export function modelOf(objects: ObjectEntry[], selected: string | null) {
-  const find = (id: string | undefined) => objects.find((one) => one.id === id);
-  const picked = find(selected ?? undefined);
-  const model = picked?.kind === 'model' ? picked : find(picked?.source);
-  if (model?.kind !== 'model') return null;
-  const surface = objects.find((one) => one.source === model.id && one.request?.kind === 'model-surface') ?? null;
-  return { model, surface };
-}
+import { modelOf } from './sketching';
 
 export function SketchPanel({ app }: { app: App }) {
   const { store, sketch } = app;

@@ -2,12 +2,21 @@
 import { signal } from '@preact/signals';
 import { EngineError } from '../../engine/engine';
 import type { App } from '../app';
-import type { Edit } from '../document/types';
+import type { Edit, ObjectEntry } from '../document/types';
 import type { Axis, Ground, Stroke } from '../view/drawing';
-import { modelOf } from './sketch';
 
 /** What a first sketch is about as large as, in its unit. */
 const FIRST_SIZE = 100;
+
+/** The model and its surface that the selection belongs to. */
+export function modelOf(objects: ObjectEntry[], selected: string | null) {
+  const find = (id: string | undefined) => objects.find((one) => one.id === id);
+  const picked = find(selected ?? undefined);
+  const model = picked?.kind === 'model' ? picked : find(picked?.source);
+  if (model?.kind !== 'model') return null;
+  const surface = objects.find((one) => one.source === model.id && one.request?.kind === 'model-surface') ?? null;
+  return { model, surface };
+}
 
 export class Sketching {
   readonly tool = signal<'draw' | 'look'>('draw');

@@ -2,14 +2,16 @@
 import { useEffect, useRef } from 'preact/hooks';
 import { type App, ROOMS } from '../app';
 import type { Notice } from '../document/store';
-import { InspectPanel } from '../rooms/inspect';
-import { ProcessPanel } from '../rooms/process';
 import { ReconstructPanel } from '../rooms/reconstruct';
-import { SketchPanel } from '../rooms/sketch';
 import { View } from '../view/scene';
 import { available, commands } from './commands';
 import { milliseconds, short } from './numbers';
+import { lazy } from './lazy';
 import { Palette } from './palette';
+
+const SketchPanel = lazy(() => import('../rooms/sketch').then((room) => room.SketchPanel));
+const InspectPanel = lazy(() => import('../rooms/inspect').then((room) => room.InspectPanel));
+const ProcessPanel = lazy(() => import('../rooms/process').then((room) => room.ProcessPanel));
 
 const KIND_SIGNS: Record<string, string> = { scan: '∿', network: '#', mesh: '△', model: '✎', calibration: '◎', view: '◳' };
 

@@ -8,7 +8,6 @@ import {
   Group,
   Line,
   LineBasicMaterial,
-  LineSegments,
   Mesh,
   Points,
   PointsMaterial,
@@ -22,6 +21,9 @@ import {
   Vector3,
   WebGLRenderer,
 } from 'three';
+import { LineMaterial } from 'three/examples/jsm/lines/LineMaterial.js';
+import { LineSegments2 } from 'three/examples/jsm/lines/LineSegments2.js';
+import { LineSegmentsGeometry } from 'three/examples/jsm/lines/LineSegmentsGeometry.js';
 import type { CurveVerdict, Drawn, Values } from '../document/types';
 import { type NamedView, ViewCamera } from './camera';
 import { colourTexture, type Shading, setShading, surfaceMaterial } from './materials';
@@ -31,12 +33,14 @@ const BORDER = 0xc25a1c;
 const SHARP = 0x2b2f36;
 const FAILS = 0xd2342e;
 const PASSES = 0x2e8b57;
+/** Pixels. */
+const LINE_WIDTH = 2;
 
 interface Shown {
   drawn: Drawn;
   group: Group;
   mesh: Mesh<BufferGeometry, ShaderMaterial> | null;
-  lines: LineSegments | null;
+  lines: LineSegments2 | null;
   nodes: Points | null;
   isWire: boolean;
 }
@@ -129,17 +133,13 @@ export class View {
   /** Colours the curves of an object by what was measured along them. */
   setVerdicts(id: string | null, curves: CurveVerdict[]): void {
     for (const [key, shown] of this.shown) {
-      const colours = shown.lines?.geometry.getAttribute('color');
-      if (!colours) continue;
-      let at = 0;
-      shown.drawn.curves.forEach((curve, c) => {
-        const verdict = key === id ? curves[c]?.verdict : undefined;
-        const colour = new Color(
-          verdict === 'fail' ? FAILS : verdict === 'pass' ? PASSES : curve.boundary ? BORDER : curve.sharp ? SHARP : CURVE,
-        );
-        for (let i = 0; i < 2 * (curve.n - 1); ++i) colours.setXYZ(at++, colour.r, colour.g, colour.b);
-      });
-      colours.needsUpdate = true;
+      if (!shown.lines) continue;
+      shown.lines.geometry.setColors(
+        lineColours(shown.drawn, (c) => {
+          const verdict = key === id ? curves[c]?.verdict : undefined;
+          return verdict === 'fail' ? FAILS : verdict === 'pass' ? PASSES : null;
+        }),
+      );
     }
     this.draw();
   }
@@ -315,10 +315,10 @@ export class View {
       group.add(shown.mesh);
     }
     if (drawn.network) {
-      const lines = new BufferGeometry();
-      lines.setAttribute('position', new BufferAttribute(linePositions(drawn), 3));
-      lines.setAttribute('color', new BufferAttribute(lineColours(drawn), 3));
-      shown.lines = new LineSegments(lines, new LineBasicMaterial({ vertexColors: true }));
+      const lines = new LineSegmentsGeometry();
+      lines.setPositions(linePositions(drawn));
+      lines.setColors(lineColours(drawn));
+      shown.lines = new LineSegments2(lines, new LineMaterial({ vertexColors: true, linewidth: LINE_WIDTH }));
       group.add(shown.lines);
       const nodes = new BufferGeometry();
       nodes.setAttribute('position', new BufferAttribute(nodePositions(drawn), 3));
@@ -343,10 +343,9 @@ export class View {
     };
     set(shown.mesh.geometry, 'position', drawn.positions);
     set(shown.mesh.geometry, 'normal', drawn.normals);
-    set(shown.lines.geometry, 'position', linePositions(drawn));
+    shown.lines.geometry.setPositions(linePositions(drawn));
     if (shown.nodes) set(shown.nodes.geometry, 'position', nodePositions(drawn));
     shown.mesh.geometry.boundingSphere = null;
-    shown.lines.geometry.boundingSphere = null;
     const origin = this.origin ?? drawn.origin;
     shown.group.position.set(drawn.origin[0] - origin[0], drawn.origin[1] - origin[1], drawn.origin[2] - origin[2]);
     shown.drawn = drawn;
@@ -488,13 +487,16 @@ function linePositions({ network, curves }: Drawn): Float32Array {
   return result;
 }
 
-function lineColours({ curves }: Drawn): Float32Array {
-  const list: number[] = [];
-  for (const curve of curves) {
-    const colour = new Color(curve.boundary ? BORDER : curve.sharp ? SHARP : CURVE);
-    for (let i = 0; i < 2 * (curve.n - 1); ++i) list.push(colour.r, colour.g, colour.b);
-  }
-  return new Float32Array(list);
+/** @param instead a colour for a curve by its index, or null. */
+function lineColours({ curves }: Drawn, instead: (c: number) => number | null = () => null): Float32Array {
+  const pieces = curves.reduce((sum, curve) => sum + Math.max(0, curve.n - 1), 0);
+  const result = new Float32Array(6 * pieces);
+  let at = 0;
+  curves.forEach((curve, c) => {
+    const colour = new Color(instead(c) ?? (curve.boundary ? BORDER : curve.sharp ? SHARP : CURVE)).toArray();
+    for (let i = 0; i < 2 * (curve.n - 1); ++i, at += 3) result.set(colour, at);
+  });
+  return result;
 }
 
 function nodePositions({ network }: Drawn): Float32Array {

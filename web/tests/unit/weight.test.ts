@@ -1,0 +1,21 @@
+/** How much a first visit has to load. */
+import { existsSync, readdirSync, readFileSync } from 'node:fs';
+import { gzipSync } from 'node:zlib';
+import { describe, expect, it } from 'vitest';
+
+const dist = new URL('../../dist/', import.meta.url);
+
+describe.skipIf(!existsSync(dist))('the page that was built', () => {
+  const packed = (pattern: RegExp) =>
+    readdirSync(new URL('assets/', dist))
+      .filter((name) => pattern.test(name))
+      .reduce((sum, name) => sum + gzipSync(readFileSync(new URL(`assets/${name}`, dist))).length, 0) / 1000;
+
+  it('has at most 170 kB of JavaScript before the engine', () => {
+    expect(packed(/^index-.*\.js$/)).toBeLessThanOrEqual(170);
+  });
+  it('has an engine of at most 2,000 kB', () => {
+    // All rooms in one module. 900 kB are wanted, by parts that are loaded when they are needed.
+    expect(packed(/\.wasm$/)).toBeLessThanOrEqual(2000);
+  });
+});
