@@ -245,8 +245,9 @@ void Engine::State::follow(Draft& draft, const Json& message, const Progress& pr
     throw InvalidInput(
         concat("'", document.object(id).name, "' is no surface of a scan; 'follow' shows those alone"));
   const Content scan = content(network->source, progress);
+  const auto fineness = flag_of(message, "fine") ? detail::LiveDetail::Fine : detail::LiveDetail::Coarse;
   const detail::LiveSurface::Shown shown =
-      live.show(std::get<SharedScan>(scan), network_request->options, surface_request->surface,
+      live.show(std::get<SharedScan>(scan), network_request->options, surface_request->surface, fineness,
                 number_of(message, "edge_length", kLiveEdgeLength), flag_of(message, "moving"), progress);
   const Eigen::RowVector3d origin = detail::middle_of(shown.network->positions);
   draft.json["origin"] = json_of(origin);

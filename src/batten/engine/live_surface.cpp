@@ -21,7 +21,7 @@ bool same_options(const SurfaceOptions& a, const SurfaceOptions& b) {
   // only a preview keeps its triangles until it differs by a tenth.
   return method == b.method && map == b.map && order == b.base_order && rebuilds == b.rebuilds &&
          soft == b.soft_constraints && weight == b.soft_weight && most == b.max_triangles &&
-         length < 1.1 * b.edge_length && b.edge_length < 1.1 * length;
+         length <= 1.1 * b.edge_length && b.edge_length <= 1.1 * length;
 }
 
 double diameter_of(const CurveNetwork& network) {
@@ -32,26 +32,32 @@ double diameter_of(const CurveNetwork& network) {
 }  // namespace
 
 LiveSurface::Shown LiveSurface::show(const SharedScan& scan, const ScanOptions& options,
-                                     const NetworkSurfaceOptions& surface, double edge_length, bool moving,
-                                     const Progress& progress) {
+                                     const NetworkSurfaceOptions& surface, LiveDetail detail,
+                                     double edge_length, bool moving, const Progress& progress) {
   if (scan != scan_) {
-    surface_.reset();
+    for (Kept& kept : surfaces_) kept.solver.reset();
     solver_ = std::make_unique<ReconstructionSolver>(*scan);
     scan_ = scan;
   }
-  ScanNetwork network = moving ? solver_->follow(options, progress) : solver_->solve(options, progress);
+  ScanNetwork made = moving ? solver_->follow(options, progress) : solver_->solve(options, progress);
+  const double size = diameter_of(made.network);
   SurfaceOptions wanted = surface.surface;
-  wanted.edge_length = edge_length * diameter_of(network.network);
+  if (detail == LiveDetail::Coarse)
+    wanted.edge_length = edge_length * size;
+  else if (surface.edge_length)
+    wanted.edge_length = surface.edge_length->in_file_units(size);
+  Kept& kept = surfaces_[detail == LiveDetail::Coarse ? 0 : 1];
   const bool can_move =
-      surface_ && same_options(wanted, options_) && same_curves(network.network, network_.network);
+      kept.solver && same_options(wanted, kept.options) && same_curves(made.network, kept.network);
   if (can_move) {
-    surface_->move(network.network.positions, network.network.normals, {.reach = SurfaceReach::All});
+    kept.solver->move(made.network.positions, made.network.normals, {.reach = SurfaceReach::All});
   } else {
-    surface_ = std::make_unique<SurfaceSolver>(network.network, wanted, progress);
-    options_ = wanted;
+    kept.solver = std::make_unique<SurfaceSolver>(made.network, wanted, progress);
+    kept.options = wanted;
   }
-  network_ = std::move(network);
-  return {&network_.network, &network_.report, &surface_->result(), !can_move};
+  kept.network = std::move(made.network);
+  report_ = std::move(made.report);
+  return {&kept.network, &report_, &kept.solver->result(), !can_move};
 }
 
 }  // namespace batten::detail

@@ -22,6 +22,7 @@ export interface Work {
 
 /** Of previews while a slider moves: enough triangles to judge a shape by. */
 const LIVE_EDGE_LENGTH = 0.02;
+const CHECK_AFTER_MS = 1200;
 
 export class Store {
   readonly objects = signal<ObjectEntry[]>([]);
@@ -47,6 +48,7 @@ export class Store {
   private noticeId = 0;
   private dragging = false;
   private sliding = false;
+  private check: ReturnType<typeof setTimeout> | undefined;
   private waiting: { target: string; request: RequestOptions; show: string | null; rest: boolean; drag: number } | null = null;
   private shows = 0;
 
@@ -159,7 +161,7 @@ export class Store {
       const from = performance.now();
       const answer = await this.ask(entry.name, { op: 'show', object: id });
       this.lastUpdate.value = { ms: performance.now() - from, coarse: false };
-      return this.keepDrawn(id, entry.version, false, answer);
+      return this.keepDrawn(id, entry.version, null, answer);
     });
   }
 
@@ -185,8 +187,9 @@ export class Store {
       try {
         await this.engine.ask({ op: 'edit', edit: { op: 'request', object: target, request }, drag });
         await this.refresh();
-        if (rest) await this.showAll();
-        else if (show) await this.follow(show);
+        if (show) await this.follow(show, rest);
+        else if (rest) await this.showAll();
+        if (show && rest) this.checkLater();
       } catch (error) {
         this.report(error, 'slider');
         await this.refresh();
@@ -195,20 +198,29 @@ export class Store {
     this.sliding = false;
   }
 
-  /** The coarse surface of a scan, at once. */
-  private async follow(id: string): Promise<void> {
+  /** What was moved at rest is built and checked when nobody has touched anything for a while. */
+  private checkLater(): void {
+    clearTimeout(this.check);
+    this.check = setTimeout(() => {
+      if (!this.sliding && !this.dragging) void this.showAll();
+    }, CHECK_AFTER_MS);
+  }
+
+  /** The surface of a scan at once: coarse while something moves, as fine as is wanted when it rests. */
+  private async follow(id: string, fine: boolean): Promise<void> {
     const entry = this.objects.value.find((one) => one.id === id);
     if (!entry) return;
     const from = performance.now();
     const answer = await this.engine.ask({
       op: 'follow',
       object: id,
-      moving: true,
+      moving: !fine,
+      fine,
       edge_length: LIVE_EDGE_LENGTH,
-      triangles: !this.drawn.value.get(id)?.coarse,
+      triangles: this.drawn.value.get(id)?.coarse !== (fine ? 'fine' : 'coarse'),
     });
-    this.keepDrawn(id, entry.version, true, answer);
-    this.lastUpdate.value = { ms: performance.now() - from, coarse: true };
+    this.keepDrawn(id, entry.version, fine ? 'fine' : 'coarse', answer);
+    this.lastUpdate.value = { ms: performance.now() - from, coarse: !fine };
   }
 
   /** What could not be made anew is not shown as it was. */
@@ -312,7 +324,7 @@ export class Store {
     }
   }
 
-  private keepDrawn(id: string, version: number, coarse: boolean, { json, arrays }: Success): Drawn {
+  private keepDrawn(id: string, version: number, coarse: Drawn['coarse'], { json, arrays }: Success): Drawn {
     const before = this.drawn.value.get(id);
     const triangles = (arrays.triangles ?? before?.triangles) as Uint32Array<ArrayBuffer> | undefined;
     const vertex = arrays['network.vertices'] as Uint32Array<ArrayBuffer> | undefined;

@@ -71,8 +71,8 @@ export interface ScanFigures {
 export interface Drawn {
   id: string;
   version: number;
-  /** A preview while a slider moves. */
-  coarse: boolean;
+  /** A preview, by kept solvers and not checked: coarse while a slider moves, fine when it rests. */
+  coarse: 'coarse' | 'fine' | null;
   origin: [number, number, number];
   positions?: Float32Array<ArrayBuffer>;
   normals?: Float32Array<ArrayBuffer>;

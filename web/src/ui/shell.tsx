@@ -226,7 +226,7 @@ function Status({ app }: { app: App }) {
       {drawn && drawn.curves.length > 0 && <span>{new Set(drawn.curves.map((one, i) => one.curve ?? i)).size} curves</span>}
       {triangles > 0 && (
         <span>
-          {short(triangles)} triangles{drawn?.coarse ? ', preview' : ''}
+          {short(triangles)} triangles{drawn?.coarse === 'coarse' ? ', preview' : drawn?.coarse ? ', not checked yet' : ''}
         </span>
       )}
       {last && <span>{milliseconds(last.ms)}</span>}
