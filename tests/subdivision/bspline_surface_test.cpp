@@ -82,6 +82,51 @@ TEST(LimitBsplines, ReportTheirLargestDeviation) {
   EXPECT_LT(largest, 1.1 * coarse.deviation + 1e-4);
 }
 
+// The largest angle between the normals of both patches along all edges, found here by four times as many
+// places along the whole of them.
+TEST(LimitBsplines, ReportTheirLargestJumpOfTheNormal) {
+  for (const ControlCage& cage : {cages::cube(), cages::prism(5), cages::prism(3)}) {
+    const BsplineSurface surface = limit_bsplines(cage, {.tolerance = 1, .most_isolation = 2});
+    double largest = 0;
+    for (size_t e = 0; e < surface.edges.size(); ++e) {
+      const BsplineEdge& edge = surface.edges[e];
+      const auto normal_at = [&](int of, double t) {
+        const BsplinePatch& patch = surface.patches[static_cast<size_t>(of)];
+        const auto side = std::find(patch.edges.begin(), patch.edges.end(), static_cast<int>(e));
+        const auto k = static_cast<size_t>(side - patch.edges.begin());
+        const auto uv = on_patch_side(static_cast<int>(k), patch.vertices[k] == edge.vertices[0] ? t : 1 - t);
+        const PatchPoint point = evaluate(patch, uv[0], uv[1]);
+        return Eigen::Vector3d(point.along_u.cross(point.along_v));
+      };
+      for (int i = 1; i < 256; ++i) {
+        const Eigen::Vector3d a = normal_at(edge.patches[0], i / 256.0),
+                              b = normal_at(edge.patches[1], i / 256.0);
+        largest = std::max(largest, std::atan2(a.cross(b).norm(), a.dot(b)));
+      }
+    }
+    EXPECT_LE(surface.normal_jump, largest + 1e-12);
+    EXPECT_GT(surface.normal_jump, 0.95 * largest);
+  }
+}
+
+// Edges leave an extraordinary vertex in the tangent plane of the limit surface, whose normal comes from
+// OpenSubdiv's limit masks; so do the patches between them.
+TEST(LimitBsplines, EdgesLeaveVerticesInTheTangentPlane) {
+  for (const ControlCage& cage : {cages::cube(), cages::prism(5), cages::tetrahedron(), random_torus()}) {
+    const BsplineSurface surface = limit_bsplines(cage);
+    const Points normals = subdivide(cage, {.levels = surface.levels, .limit = true}).limit_normals;
+    double off = 0;
+    for (const BsplineEdge& edge : surface.edges) {
+      const Points& points = edge.curve.control_points;
+      const Row first = points.row(1) - points.row(0),
+                last = points.row(points.rows() - 2) - points.row(points.rows() - 1);
+      off = std::max({off, std::abs(first.normalized().dot(normals.row(edge.vertices[0]))),
+                      std::abs(last.normalized().dot(normals.row(edge.vertices[1])))});
+    }
+    EXPECT_LT(off, 1e-12);
+  }
+}
+
 TEST(LimitBsplines, ShareTheirEdges) {
   for (const ControlCage& cage : {cages::cube_with_sharp_edges(), creased_box(), cages::prism(3)}) {
     const BsplineSurface surface = limit_bsplines(cage);

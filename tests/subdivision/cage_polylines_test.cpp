@@ -25,6 +25,16 @@ TEST(CagePolylines, FractionsAreThoseOfTheLength) {
   EXPECT_EQ(point_along(points, 1), Row(1, 3, 4));
 }
 
+// Points that repeat have a place of their own and no length: whatever fraction falls there is that place.
+TEST(CagePolylines, RepeatedPointsHaveTheirPlace) {
+  Points points(6, 3);
+  points << 0, 0, 0, 0, 0, 0, 1, 0, 0, 1, 0, 0, 2, 0, 0, 2, 0, 0;
+  EXPECT_EQ(point_along(points, 0), Row(0, 0, 0));
+  EXPECT_EQ(point_along(points, 0.5), Row(1, 0, 0));
+  EXPECT_EQ(point_along(points, 1), Row(2, 0, 0));
+  EXPECT_EQ(point_along(Points::Ones(3, 3), 0.5), Row(1, 1, 1));
+}
+
 TEST(CagePolylines, TheNearestPointOfAPointOnIt) {
   const Points points = staircase();
   for (const double fraction : {0.0, 0.1, 0.125, 0.3, 0.5, 0.8, 1.0})

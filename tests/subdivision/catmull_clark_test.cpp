@@ -136,6 +136,47 @@ TEST(CatmullClark, KeepsOneFaceOfABorderAsItsCorners) {
   EXPECT_LT((rounded.limit_positions.row(0) - Row(1.0 / 6, 1.0 / 6, 0)).norm(), 1e-14);
 }
 
+// The border of a corner of one face begins along its cage edge, as the one left eigenvector of 1/2 of its
+// subdivision says: the normal is that of both edges, at every level.
+TEST(CatmullClark, NormalsAtCornersOfOneFaceAreSquareToBothEdges) {
+  Random random(2);
+  const ControlCage cage = cages::grid(3, 3, [&](int i, int j) { return Row(i, j, random.uniform(-1, 1)); });
+  const Points& p = cage.mesh.positions;
+  const Row expected = (p.row(1) - p.row(0)).cross(p.row(3) - p.row(0)).normalized();
+  for (const int levels : {0, 1, 3}) {
+    const SubdividedSurface surface = subdivide(cage, {.levels = levels, .limit = true});
+    EXPECT_LT((surface.limit_normals.row(0) - expected).norm(), 1e-12) << levels;
+  }
+}
+
+// The tangent plane at a dart is that of a flat cage, and its normal looks to the side from which the faces
+// are counter-clockwise, at any valence and wherever the sharp edge is.
+TEST(CatmullClark, NormalsAtDartsLookOutwards) {
+  for (int n = 3; n <= 9; ++n)
+    for (int s = 0; s < n; ++s)
+      for (const bool below : {false, true}) {
+        ControlCage cage = cages::star(n, 2, [](double x, double y) { return Row(x, y, 0); });
+        cage.sharp_edges = {{0, 1 + 6 * s, kInfinitelySharp}};
+        if (below) cage.mesh.positions.col(1) *= -1;
+        const SubdividedSurface surface = subdivide(cage, {.levels = 1, .limit = true});
+        EXPECT_LT((surface.limit_normals.row(0) - Row(0, 0, below ? -1 : 1)).norm(), 1e-9) << n << ' ' << s;
+      }
+}
+
+// Of what is said twice the stronger holds, in either order and sense.
+TEST(CatmullClark, TheSharperOfTwoStatementsHolds) {
+  ControlCage once = cages::cube(), sharper_first = once, sharper_last = once;
+  once.sharp_edges = {{4, 5, 3}};
+  once.sharp_vertices = {{0, 2}};
+  sharper_first.sharp_edges = {{4, 5, 3}, {5, 4, 1}};
+  sharper_first.sharp_vertices = {{0, 2}, {0, 1}};
+  sharper_last.sharp_edges = {{5, 4, 1}, {4, 5, 3}};
+  sharper_last.sharp_vertices = {{0, 1}, {0, 2}};
+  const SubdividedSurface expected = subdivide(once, {.levels = 2});
+  for (const ControlCage& cage : {sharper_first, sharper_last})
+    EXPECT_EQ(subdivide(cage, {.levels = 2}).cage.mesh.positions, expected.cage.mesh.positions);
+}
+
 // The limit surface does not depend on the level at which it is asked for.
 TEST(CatmullClark, GivesTheSameLimitAtEveryLevel) {
   for (const ControlCage& cage : {cages::cube(), cages::tetrahedron(), cages::prism(5), cages::torus(6, 5),

@@ -10,6 +10,7 @@
 
 #include "batten/core/error.hpp"
 #include "batten/core/random.hpp"
+#include "batten/subdivision/four_point_detail.hpp"
 #include "batten/subdivision/subdivide.hpp"
 
 namespace batten {
@@ -52,15 +53,44 @@ TEST(Nuliss, ReproducesBicubicFunctionsOnRegularGridsWithUniformKnots) {
 // Uneven rows and columns, with the tensor-product knots of that grid (chord lengths, all z = 0): x and y are
 // linear functions of the knots, so every row keeps its straight line and its spacing.
 TEST(Nuliss, KeepsAFlatUnevenGridInPlaceWithItsKnots) {
-  const double x[5] = {0, 1, 1.5, 4, 5}, y[4] = {0, 3, 3.5, 5};
+  const double x[5] = {0, 1, 1.01, 4, 5}, y[4] = {0, 3, 3.5, 5};
   const ControlCage cage = cages::grid(5, 4, [&](int i, int j) { return Row(x[i], y[j], 0); });
   const SubdividedSurface with_knots =
       subdivide(cage, {.scheme = SubdivisionScheme::Nuliss, .levels = 3, .knot_exponent = 1});
   const SubdividedSurface linear = subdivide(cage, {.scheme = SubdivisionScheme::Linear, .levels = 3});
-  EXPECT_LT((with_knots.cage.mesh.positions - linear.cage.mesh.positions).cwiseAbs().maxCoeff(), 1e-13);
+  EXPECT_LT((with_knots.cage.mesh.positions - linear.cage.mesh.positions).cwiseAbs().maxCoeff(), 1e-12);
   const SubdividedSurface without =
       subdivide(cage, {.scheme = SubdivisionScheme::Nuliss, .levels = 3, .knot_exponent = 0});
   EXPECT_GT((without.cage.mesh.positions - linear.cage.mesh.positions).cwiseAbs().maxCoeff(), 0.05);
+}
+
+// Where opposite sides differ in length no tensor product tells the knots: half of a side has half of its
+// interval, an edge between two of them half of their mean, a strip the mean of both (docs/subdivide.md).
+// Three cells of width 1 below and of 1, 2, 1 above: the lower strips of level 1 have the intervals (b/2 + (b
+// + t)/4)/2 = (3 b + t)/8. A face point of level 2 follows from the edge points of that level by the cubic
+// along one strip and, at the border, by the parabola ⅜, ¾, −⅛ across.
+TEST(Nuliss, HalvesTheKnotIntervalsOfEveryStrip) {
+  const double top[4] = {0, 1, 3, 4};
+  const ControlCage cage =
+      cages::grid(4, 2, [&](int i, int j) { return j == 0 ? Row(i, 0, 0) : Row(top[i], 1, 0); });
+  const SubdividedSurface surface =
+      subdivide(cage, {.scheme = SubdivisionScheme::Nuliss, .levels = 2, .knot_exponent = 1});
+  // Corner c of level 1 becomes the quad of its vertex, the middle of its side, its face point and the middle
+  // of the side before; corner k of cell i becomes face 4 i + k.
+  const auto point = [&](int face, int side, int which) {
+    const auto quad = static_cast<size_t>(4 * face + side);
+    return Row(
+        surface.cage.mesh.positions.row(surface.cage.mesh.corners[4 * quad + static_cast<size_t>(which)]));
+  };
+  const auto edge_point = [&](int face, int side) { return point(face, side, 1); };
+  const int face = 4;  // the lower left quarter of the middle cell
+  const double before = (3.0 + 1) / 8, own = (3.0 + 2) / 8;
+  const double knots[4] = {-before, 0, own, 2 * own};
+  const Row along_strip[4] = {edge_point(0, 1), edge_point(face, 3), edge_point(face, 1), edge_point(5, 0)};
+  const Row along = detail::interpolated(knots, along_strip, 4, own / 2);
+  const Row across =
+      0.375 * edge_point(face, 0) + 0.75 * edge_point(face, 2) - 0.125 * edge_point(face + 3, 3);
+  EXPECT_LT((point(face, 0, 2) - (along + across) / 2).norm(), 1e-13);
 }
 
 double torus_error(int n) {
@@ -338,6 +368,32 @@ TEST(NulissMod, PlacesTheFirstFacePointOnTheCoonsPatch) {
       subdivide(arched_quad(0.3), {.scheme = SubdivisionScheme::Nuliss, .levels = 1});
   EXPECT_LT((plain.cage.mesh.positions.row(8) - Row(0.5, 0.5, 0)).norm(), 1e-12)
       << "Nuliss takes knots alone";
+}
+
+// The parameters of the Coons patch are counted along its own sides, whichever way the polyline was drawn or
+// the other face runs along the edge. Of the second of two unit squares three sides are straight; the fourth,
+// from the first face, is straight up to its middle and then has a peak, so that its middle has the fraction
+// f = ½ / (½ + 2 √(1 + 1/16)) of the length. By hand: u = ½, v = (½ + f)/2, and the straight sides leave the
+// mean of the place at v on the fourth and of that opposite.
+TEST(NulissMod, CountsTheParametersOfTheCoonsPatchAlongTheSidesOfTheFace) {
+  const double leg = std::sqrt(1 + 1.0 / 16), whole = 0.5 + 2 * leg, f = 0.5 / whole, v = (0.5 + f) / 2;
+  const double up = (v * whole - 0.5) / leg;  // of the first leg of the peak
+  for (const bool turned : {false, true}) {
+    ControlCage cage = cages::grid(3, 2, [](int i, int j) { return Row(i, j, 0); });
+    for (const auto& [a, b] : {std::pair{1, 2}, std::pair{5, 2}, std::pair{5, 4}}) {
+      EdgePolyline side{a, b, Points(2, 3)};
+      side.points << cage.mesh.positions.row(a), cage.mesh.positions.row(b);
+      cage.polylines.push_back(side);
+    }
+    EdgePolyline peak{1, 4, Points(4, 3)};
+    peak.points << 1, 0, 0, 1, 0.5, 0, 1, 0.75, 1, 1, 1, 0;
+    if (turned) peak = {4, 1, Points(peak.points.colwise().reverse())};
+    cage.polylines.push_back(peak);
+    const SubdividedSurface surface =
+        subdivide(cage, {.scheme = SubdivisionScheme::NulissMod, .levels = 1, .knot_exponent = 0});
+    const Row expected = (Row(1, 0.5 + 0.25 * up, up) + Row(2, v, 0)) / 2;
+    EXPECT_LT((surface.cage.mesh.positions.row(14) - expected).norm(), 1e-12) << turned;
+  }
 }
 
 TEST(Linear, CutsPolylinesHalfwayAlongTheirLength) {

@@ -63,6 +63,20 @@ TEST(LimitStencils, AreTheLimitPointsForAnySharpness) {
   }
 }
 
+// Two quads back to back: every vertex has two edges and two faces, for which the general weights do not
+// hold.
+TEST(LimitStencils, AreTheLimitPointsAtVerticesOfTwoEdges) {
+  Random random(4);
+  ControlCage pillow;
+  pillow.mesh.positions.resize(4, 3);
+  pillow.mesh.positions << 0, 0, 0, 2, 0, 0, 2, 2, 1, 0, 2, 0;
+  cages::add_face(pillow.mesh, {0, 1, 2, 3});
+  cages::add_face(pillow.mesh, {3, 2, 1, 0});
+  EXPECT_LT(worst_difference(shaken(pillow, random)), 1e-6);
+  const SparseMatrix rows = limit_stencils(pillow);
+  EXPECT_LT((rows * Eigen::VectorXd::Ones(4) - Eigen::VectorXd::Ones(4)).norm(), 1e-14);
+}
+
 TEST(LimitStencils, RowsSumToOne) {
   ControlCage cage = cages::cube_with_sharp_edges();
   cage.sharp_edges.push_back({2, 6, 1.5});
