@@ -20,6 +20,9 @@ namespace {
 
 using Eigen::Index;
 using Eigen::Vector3d;
+using strokes::kO;
+using strokes::kX;
+using strokes::kY;
 
 /// A plane and a circle in it by least squares: principal plane, then Kåsa's linear fit.
 struct CircleFit {
@@ -209,6 +212,30 @@ TEST(FindClosing, LeavesOpenWhatIsOpen) {
   const std::vector<std::function<Vector3d(double)>> curves{arc(180), arc(270), arc(300), hairpin,
                                                             letter_s, omega,    helix,    six};
   for (std::size_t k = 0; k < curves.size(); ++k) EXPECT_FALSE(detail::find_closing(sampled(curves[k]))) << k;
+}
+
+// A circle with a tail that leaves it straight: closed where the tail is what a pen leaves beside a loop,
+// open where it leads away as far as a third of the whole, the limit for what is cut off.
+TEST(FindClosing, CutsOffNoTailThatLeadsAway) {
+  const auto with_tail = [](double tail) {
+    Points points(300, 3);
+    for (Index i = 0; i < 300; ++i) {
+      const double s = (tail + 2 * kPi) * static_cast<double>(i) / 299, a = s - tail;
+      points.row(i) =
+          (s < tail ? Vector3d(1 + tail - s, 0, 0) : Vector3d(std::cos(a), std::sin(a), 0)).transpose();
+    }
+    return points;
+  };
+  EXPECT_TRUE(detail::find_closing(with_tail(0.8)));
+  EXPECT_FALSE(detail::find_closing(with_tail(1.17)));
+}
+
+// A circle run on by an eighth is a loop whose end overlaps; one and a half turns are a coil. At the end of
+// the search its ends are near each other too, and still nearer beyond.
+TEST(FindClosing, LeavesCoilsOpen) {
+  const auto turns = [](double n) { return strokes::arc(kO, kX, kY, 0, 2 * kPi * n, 240); };
+  EXPECT_TRUE(detail::find_closing(turns(1.125)));
+  EXPECT_FALSE(detail::find_closing(turns(1.5)));
 }
 
 // A figure of eight is a loop, and one that meets itself.

@@ -107,5 +107,42 @@ TEST(Align, TriesManyTurnsWhereAxesAreEqual) {
   }
 }
 
+/// A circle of radius r, its first point repeated.
+Polyline round(double r) {
+  return Polyline(arc(kO, r * kX, r * kY, 0, 2 * kPi, 360));
+}
+
+// Circles of radii 1 and 1.1 about one centre are 0.1 apart everywhere, seen from either.
+TEST(Align, TellsTheDistanceThatIsLeft) {
+  const Alignment found = align_curves(round(1), round(1.1));
+  EXPECT_NEAR(found.rms, 0.1, 1e-3);
+  EXPECT_NEAR(align_curves(round(1.1), round(1)).rms, 0.1, 1e-3);
+}
+
+TEST(Align, RefusesAStrokeOfAnotherShape) {
+  try {
+    align_curves(round(1), Polyline(polygon({-kX, kX})));
+    ADD_FAILURE() << "a line was taken for a circle";
+  } catch (const RefusedEdit& refused) {
+    EXPECT_CONTAINS(refused.what(), "does not have the shape");
+  }
+}
+
+// An oval fits as well after half a turn; a trembling hand, which makes one of both a little better, does not
+// decide between them.
+TEST(Align, SaysThatASymmetricCurveFitsInMoreThanOneWay) {
+  Random random(4);
+  const auto oval = [&](double tremor) {
+    Points points(241, 3);
+    for (int i = 0; i <= 240; ++i) {
+      const double t = 2 * kPi * i / 240;
+      points.row(i) = (Vector3d(2 * std::cos(t), std::sin(t), 0) + tremor * random.normal3()).transpose();
+    }
+    return Polyline(points);
+  };
+  const Polyline curve = oval(0);
+  for (int k = 0; k < 5; ++k) EXPECT_TRUE(align_curves(curve, oval(0.02)).ambiguous) << k;
+}
+
 }  // namespace
 }  // namespace batten

@@ -252,6 +252,16 @@ TEST(NeatStroke, IsMovedOntoHeldPoints) {
   EXPECT_EQ(fitted.pieces[1].points.row(0).transpose(), held[1].position);
   for (const FittedStroke::Piece& piece : fitted.pieces)
     EXPECT_LT(piece.points.rightCols(2).rowwise().norm().maxCoeff(), 0.2001);
+  // Halfway between two held points the line is moved by half of each.
+  const auto nearest_to = [&](double x) {
+    Eigen::RowVector3d best(1e9, 0, 0);
+    for (const FittedStroke::Piece& piece : fitted.pieces)
+      for (Eigen::Index i = 0; i < piece.points.rows(); ++i)
+        if (std::abs(piece.points(i, 0) - x) < std::abs(best.x() - x)) best = piece.points.row(i);
+    return best;
+  };
+  EXPECT_LT((nearest_to(2) - Eigen::RowVector3d(2, -0.05, 0)).tail<2>().norm(), 0.02);
+  EXPECT_LT((nearest_to(7) - Eigen::RowVector3d(7, -0.1, 0.05)).tail<2>().norm(), 0.02);
 }
 
 }  // namespace

@@ -1,6 +1,12 @@
 #include "batten/sketch/tools.hpp"
 
+#include "models.hpp"
 #include "tool_models.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
@@ -22,6 +28,21 @@ TEST(DeleteCurve, UndoesWhatInsertionDivided) {
   expect_counts(mesh, 2, 3, 2, 1, 0);  // as with the first chord alone
   edit(mesh, [](PolylineMesh& m) { return delete_curve(m, 1); });
   expect_counts(mesh, 2, 2, 1, 1, 0);  // the disc, with two seams again
+}
+
+// Where a curve is sharp on one side of a vertex alone, the vertex is needed to say so.
+TEST(DeleteCurve, LeavesVerticesWhereSharpnessChanges) {
+  PolylineMesh mesh = disc();
+  insert(mesh, {polygon({-kX, kX}), false});
+  insert(mesh, {polygon({-kY, kY}), false});
+  const auto ends = mesh.edge(mesh.edges_of_curve(1).front()).vertices;
+  edit(mesh, [&](PolylineMesh& m) { return set_curve_sharpness(m, 1, 1, ends); });
+  edit(mesh, [](PolylineMesh& m) { return delete_curve(m, 2); });
+  std::vector<double> sharpness;
+  for (const int e : mesh.edges_of_curve(1)) sharpness.push_back(mesh.edge(e).sharpness);
+  std::sort(sharpness.begin(), sharpness.end());
+  EXPECT_EQ(sharpness, (std::vector<double>{0, 1}));
+  EXPECT_EQ(mesh.broken_invariant(), "");
 }
 
 TEST(DeleteCurve, RefusesToLeaveCurvesHanging) {
@@ -57,6 +78,20 @@ TEST(CutHole, DrawnInEitherSenseIsTheSame) {
     });
     expect_counts(mesh, 8, 12, 4, 2, 0);
   }
+}
+
+// A stroke need not lie on the fan of the curves of a face, but not off it by more than a third of its size.
+TEST(CutHole, RefusesAStrokeFarFromEveryFace) {
+  PolylineMesh mesh;
+  insert(mesh, {polygon({kO, kX, kX + kY, kY, kO}), true});
+  const auto cut = [](double height) {
+    return [height](PolylineMesh& m) {
+      return cut_hole(m, circle(Vector3d(0.5, 0.5, height), 0.2 * kX, 0.2 * kY));
+    };
+  };
+  EXPECT_CONTAINS(refusal(mesh, cut(0.6)), "lies 0.6 from the nearest face, f0");
+  edit(mesh, cut(0.2));
+  expect_counts(mesh, 8, 12, 4, 2, 0);
 }
 
 TEST(CutHole, AcrossCurvesTakesAwayWhatLiesInside) {
@@ -102,6 +137,84 @@ TEST(GlueBorders, TubeBetweenTwoDiscsAndHandleOnOne) {
   EXPECT_EQ(sheet.broken_invariant(), "");
   EXPECT_EQ(sheet.counts().boundary_loops, 1);
   EXPECT_EQ(sheet.counts().genus, 1);
+}
+
+PolylineMesh straight_model(const Points& positions, std::vector<std::array<int, 4>> quads) {
+  PolygonMesh cage;
+  cage.positions = positions;
+  for (const auto& quad : quads) {
+    cage.corners.insert(cage.corners.end(), quad.begin(), quad.end());
+    cage.offsets.push_back(static_cast<int>(cage.corners.size()));
+  }
+  return models::model_of_cage(cage, [&](int from, int to) {
+    return polygon({Vector3d(positions.row(from)), Vector3d(positions.row(to))});
+  });
+}
+
+/// The corners of two squares, one above the other.
+Points two_squares() {
+  Points positions(8, 3);
+  positions << -1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0, -1, -1, 1, 1, -1, 1, 1, 1, 1, -1, 1, 1;
+  return positions;
+}
+
+bool have_a_face(const PolylineMesh& mesh, int curve, int other) {
+  return std::any_of(mesh.faces().begin(), mesh.faces().end(), [&](const SketchFace& face) {
+    const auto has = [&](int c) {
+      return std::any_of(face.sides.begin(), face.sides.end(),
+                         [&](int side) { return mesh.edge(edge_of(side)).curve == c; });
+    };
+    return face.alive && has(curve) && has(other);
+  });
+}
+
+// Two squares of four curves each, tied at two corners. The curves that are named bound one face of the tube,
+// straight or twisted, in whatever order they are named; without names the tube is straight.
+TEST(GlueBorders, CurvesNameTheHalvesThatFaceEachOther) {
+  const PolylineMesh squares = straight_model(two_squares(), {{0, 1, 2, 3}, {4, 5, 6, 7}});
+  const Points& p = two_squares();
+  const DrawnStroke first{polygon({Vector3d(p.row(1)), Vector3d(p.row(5))}), false},
+      second{polygon({Vector3d(p.row(3)), Vector3d(p.row(7))}), false};
+  const auto glued = [&](const std::optional<std::array<int, 2>>& halves) {
+    PolylineMesh mesh = squares;
+    edit(mesh, [&](PolylineMesh& m) { return glue_borders(m, first, second, halves); });
+    EXPECT_EQ(mesh.broken_invariant(), "");
+    EXPECT_EQ(mesh.counts().boundary_loops, 0);
+    EXPECT_EQ(mesh.counts().genus, 0);
+    return mesh;
+  };
+  // c1 and c2 lead from corner 1 over 2 to 3; above them c5 and c6, on the other side c7 and c4.
+  for (const auto& halves : {std::optional<std::array<int, 2>>(), std::optional(std::array{1, 5}),
+                             std::optional(std::array{5, 1}), std::optional(std::array{4, 0})}) {
+    const PolylineMesh mesh = glued(halves);
+    EXPECT_TRUE(have_a_face(mesh, 1, 5));
+    EXPECT_FALSE(have_a_face(mesh, 1, 7));
+  }
+  for (const auto& halves : {std::array{1, 7}, std::array{7, 1}, std::array{0, 6}}) {
+    const PolylineMesh mesh = glued(halves);
+    EXPECT_TRUE(have_a_face(mesh, 1, 7));
+    EXPECT_FALSE(have_a_face(mesh, 1, 5));
+  }
+}
+
+// The two borders of one tube glued to each other around its outside: straight that is a torus, twisted it
+// would be a bottle of Klein.
+TEST(GlueBorders, RefusesNamesThatMakeTheSurfaceOneSided) {
+  const PolylineMesh tube =
+      straight_model(two_squares(), {{0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}});
+  const Vector3d out = (kX + kY) / (2 * std::sqrt(2.0));
+  const DrawnStroke first{arc(Vector3d(-1, -1, 0.5), -0.5 * kZ, -out, 0, kPi), false},
+      second{arc(Vector3d(1, 1, 0.5), -0.5 * kZ, out, 0, kPi), false};
+  const auto glue = [&](std::array<int, 2> halves) {
+    return [&, halves](PolylineMesh& m) { return glue_borders(m, first, second, halves); };
+  };
+  PolylineMesh mesh = tube;
+  // c0 leads from corner 0 to 1, c2 back above it, c9 above the opposite side.
+  EXPECT_CONTAINS(refusal(mesh, glue({0, 9})), "one-sided");
+  edit(mesh, glue({0, 2}));
+  EXPECT_EQ(mesh.broken_invariant(), "");
+  EXPECT_EQ(mesh.counts().boundary_loops, 0);
+  EXPECT_EQ(mesh.counts().genus, 1);
 }
 
 TEST(GlueBorders, RefusesOneBorderAndCurvesInside) {
@@ -179,6 +292,21 @@ TEST(MirrorStroke, MakesAFirstBoundaryOfAHalf) {
   for (const SketchEdge& edge : mesh.edges())
     for (Eigen::Index i = 0; i < edge.polyline->n_points(); ++i)
       EXPECT_NEAR(edge.polyline->points().row(i).norm(), 1, 2e-4);
+}
+
+// Half an oval that begins 0.1 above the axis, and one that ends there: five times the snapping distance.
+TEST(MirrorStroke, RefusesAStrokeThatDoesNotReachTheAxis) {
+  InsertOptions options;
+  options.snap = 0.02;
+  for (const bool at_start : {true, false}) {
+    Points half = arc(kO, kX, kY, std::asin(0.1), kPi, 100);
+    if (!at_start) half = Points(half.colwise().reverse());
+    PolylineMesh mesh;
+    const std::string text = refusal(mesh, [&](PolylineMesh& m) {
+      return mirror_stroke(m, {half, false}, Points(polygon({kX, -kX}, 1)), options);
+    });
+    EXPECT_CONTAINS(text, at_start ? "starts 0.1 from the axis" : "ends 0.1 from the axis");
+  }
 }
 
 TEST(Sharpness, TagsEveryPieceOfACurve) {
