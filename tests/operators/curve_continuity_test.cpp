@@ -211,6 +211,28 @@ TEST(CurveContinuity, FollowsRotationAndScale) {
   }
 }
 
+// The same where a curve turns within the neighbourhood and does not follow the edges: there the side of a
+// triangle is told by the piece of the curve beside it, not by that at the sample, in whatever unit.
+TEST(CurveContinuity, FollowsTheScaleAlongACurveThatTurnsWithinTheNeighbourhood) {
+  const TriangleMesh mesh = samples::octasphere(24, 1);
+  const Vector3d axis = Vector3d(1, 2, 3).normalized(), a = axis.unitOrthogonal(), b = axis.cross(a);
+  // Five edges in radius: within a neighbourhood of two the circle turns by 25 degrees to either side.
+  const double radius = 0.3;
+  const Points curve = circle(radius * a, radius * b, 61, std::sqrt(1 - radius * radius) * axis);
+  const CurveContinuity before = measured(mesh, {curve});
+  EXPECT_GT(before.n_samples, 20);
+  EXPECT_EQ(before.n_unfitted, 0);
+  EXPECT_LT(degrees(before.max_normal_jump), 1);
+  for (const double scale : {1e-3, 1e3}) {
+    const CurveContinuity after = measured({scale * mesh.positions, mesh.triangles, {}, {}}, {scale * curve});
+    EXPECT_EQ(after.n_samples, before.n_samples);
+    EXPECT_NEAR(after.max_normal_jump, before.max_normal_jump, 1e-7);
+    EXPECT_NEAR(after.mean_normal_jump, before.mean_normal_jump, 1e-7);
+    EXPECT_NEAR(after.max_curvature_jump * scale, before.max_curvature_jump, 1e-6);
+    EXPECT_NEAR(after.max_gap / scale, before.max_gap, 1e-9);
+  }
+}
+
 // A curve that does not follow the edges of the mesh is measured as well, by the sides of its points.
 TEST(CurveContinuity, TakesCurvesAcrossTheTrianglesOfASmoothSurface) {
   const TriangleMesh mesh = samples::octasphere(24, 1);
