@@ -37,6 +37,7 @@ TEST(InsertCurve, ChordDividesTheFaceAndSeamsVanish) {
   const EditReport report = insert(mesh, {polygon({-kX, kX}), false});
   EXPECT_EQ(report.euler_change, 0);
   expect_counts(mesh, 2, 3, 2, 1, 0);
+  for (const SketchVertex& vertex : mesh.vertices()) EXPECT_FALSE(vertex.is_seam);
 }
 
 TEST(InsertCurve, StrokeOverSeveralFacesDividesEachOfThem) {
