@@ -20,7 +20,7 @@ function offline(): Plugin {
       }
       const source = readFileSync(at('src/offline.js'), 'utf8')
         .replace("'VERSION'", JSON.stringify(hash.digest('hex').slice(0, 16)))
-        .replace("['FILES']", JSON.stringify(['./', ...files.filter((name) => name !== 'index.html')]));
+        .replace("['FILES']", JSON.stringify(['./', 'phone.html', ...files.filter((name) => !name.endsWith('.html'))]));
       this.emitFile({ type: 'asset', fileName: 'sw.js', source });
     },
   };
@@ -37,7 +37,7 @@ export default defineConfig({
       { find: /^batten-sample/, replacement: at('../data/sample.rawnet') },
     ],
   },
-  build: { target: 'es2022', sourcemap: false, chunkSizeWarningLimit: 900, assetsInlineLimit: 0 },
+  build: { target: 'es2022', sourcemap: false, chunkSizeWarningLimit: 900, assetsInlineLimit: 0, rollupOptions: { input: [at('index.html'), at('phone.html')] } },
   worker: { format: 'es' },
   server: { fs: { allow: [at('..')] } },
   test: { include: ['tests/unit/**/*.test.ts'] },

@@ -1,5 +1,6 @@
 /** A surface from nothing by a mouse: closed after four strokes; refusals in words; undo; a hole's worth of tools. */
 import { expect, type Page, test } from '@playwright/test';
+import { picture } from './page';
 
 type Place = [number, number];
 
@@ -66,6 +67,7 @@ test('a closed surface in four strokes, and every one undone', async ({ page }) 
     await draw(page, stroke);
     await expect.poll(() => state(page)).toEqual({ curves: i + 1, closed: false, flaws: 0, up_to_date: true });
   }
+  await picture(page, 'studio-sketch');
   // From below.
   await page.evaluate(() => {
     const view = globalThis.batten?.view;

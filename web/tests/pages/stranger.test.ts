@@ -1,7 +1,7 @@
 /** The way of somebody who has never seen it: sample scan, stripes, a slider, a file; then undo, and a window that was closed. */
 import { readFileSync } from 'node:fs';
 import { expect, test } from '@playwright/test';
-import { openSample, stripes, triangles } from './page';
+import { openSample, picture, stripes, triangles } from './page';
 
 test('sample scan, stripes, a slider, a file, undo, and back after the window was closed', async ({ page }) => {
   const errors: string[] = [];
@@ -9,12 +9,14 @@ test('sample scan, stripes, a slider, a file, undo, and back after the window wa
   await openSample(page);
   await expect(page.getByText(/^All|kept in this browser/).first()).toBeVisible();
   const fine = await triangles(page);
+  await picture(page, 'studio-reconstruct');
 
   await page.keyboard.press('Control+3');
   await page.getByLabel('Shading').selectOption('isophotes');
   expect(await stripes(page)).toBeGreaterThan(5);
   await page.getByRole('button', { name: 'Check all curves' }).click();
   await expect(page.getByText(/smooth curves (pass|fail)/)).toBeVisible({ timeout: 30_000 });
+  await picture(page, 'studio-inspect');
 
   await page.keyboard.press('Control+1');
   const step = page.getByRole('spinbutton', { name: 'Step h, %' });
