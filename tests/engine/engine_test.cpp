@@ -107,6 +107,11 @@ TEST(Engine, MakesTheSurfaceThatReconstructMakes) {
   const Reconstruction wanted = reconstruct(parse_rawnet(sphere_scan(), "ball"));
   EXPECT_EQ(shown.json["mesh"]["n_triangles"], wanted.surface.mesh.n_triangles());
   EXPECT_EQ(shown.json["n_patches"], wanted.surface.n_cycles);
+  ASSERT_FALSE(shown.json["times"].empty());
+  for (const Json& time : shown.json["times"]) {
+    EXPECT_FALSE(time["stage"].get<std::string>().empty());
+    EXPECT_GE(time["seconds"].get<double>(), 0);
+  }
   const Answer saved = ask(engine, {{"op", "save"}, {"object", "o3"}, {"format", "ply"}});
   ASSERT_TRUE(saved.ok()) << saved.json;
   const auto bytes = saved.array<char>("file");

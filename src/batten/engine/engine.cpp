@@ -227,10 +227,11 @@ void Engine::State::show(Draft& draft, const Json& message, const Progress& prog
                             {"misfit_before", json_of(report.closure_misfit_before)},
                             {"misfit", json_of(report.closure_misfit)}};
   }
-  Json times = Json::array();
-  for (const auto& [stage, seconds] : times_of(*result).stages())
-    times.push_back({{"stage", stage}, {"seconds", seconds}});
-  draft.json["times"] = std::move(times);
+  const StageTimes times = times_of(*result);
+  Json stages = Json::array();
+  for (const auto& [stage, seconds] : times.stages())
+    stages.push_back({{"stage", stage}, {"seconds", seconds}});
+  draft.json["times"] = std::move(stages);
 }
 
 void Engine::State::follow(Draft& draft, const Json& message, const Progress& progress) {
