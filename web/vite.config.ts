@@ -26,9 +26,30 @@ function offline(): Plugin {
   };
 }
 
+/** What the page may do, wherever it is served: nothing from elsewhere, no code but its own. */
+const POLICY = [
+  "default-src 'self'",
+  "script-src 'self' 'wasm-unsafe-eval'",
+  "worker-src 'self'",
+  "connect-src 'self'",
+  "img-src 'self' blob: data:",
+  "object-src 'none'",
+  "base-uri 'none'",
+].join('; ');
+
+function policy(): Plugin {
+  return {
+    name: 'batten-policy',
+    apply: 'build',
+    transformIndexHtml: () => [
+      { tag: 'meta', attrs: { 'http-equiv': 'Content-Security-Policy', content: POLICY }, injectTo: 'head-prepend' },
+    ],
+  };
+}
+
 export default defineConfig({
   base: './', // the page works from any folder of any server
-  plugins: [offline()],
+  plugins: [offline(), policy()],
   resolve: {
     alias: [
       // Made by tools/build web. Patterns: what is imported ends in ?url.

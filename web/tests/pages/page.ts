@@ -6,7 +6,7 @@ declare global {
   var batten: App | undefined;
 }
 
-/** Triangles of the fine surface of the selected object; 0 while there is none. */
+/** Triangles of the checked surface of the selected object; 0 while there is a preview or none. */
 export const triangles = (page: Page): Promise<number> =>
   page.evaluate(() => {
     const store = globalThis.batten?.store; // not there while the page loads
@@ -17,7 +17,7 @@ export const triangles = (page: Page): Promise<number> =>
 export async function openSample(page: Page): Promise<void> {
   if (page.url() === 'about:blank') await page.goto('/');
   await page.getByRole('button', { name: 'Open the sample scan' }).click();
-  await expect.poll(() => triangles(page), { timeout: 40_000 }).toBeGreaterThan(10_000);
+  await expect.poll(() => triangles(page), { timeout: 60_000 }).toBeGreaterThan(10_000);
 }
 
 /** How often the grey value along the middle row of the picture turns from dark to light: the stripes that are seen. */
