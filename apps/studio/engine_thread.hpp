@@ -1,0 +1,74 @@
+#pragma once
+#include "studio/frames.hpp"
+
+#include <atomic>
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <mutex>
+#include <string_view>
+#include <thread>
+#include <vector>
+
+#include "batten/core/progress.hpp"
+#include "batten/engine/reply.hpp"
+
+namespace batten::studio {
+
+/// What carries out messages; batten::Engine::handle, or a double in tests.
+using Handle = std::function<Reply(std::string_view text, std::string_view bytes, const Progress&)>;
+/// Makes one for every window.
+using MakeHandle = std::function<Handle()>;
+/// The engine of Batten.
+Handle make_engine();
+
+/// The engine of one window on a thread of its own: requests are carried out one after the other in their
+/// order, and a cancel gets through while one runs.
+class EngineThread {
+ public:
+  struct Hooks {
+    std::function<void(std::vector<Frame>)> send;  ///< called on the engine's thread
+    std::function<void()> ended;                   ///< the last that happens on the engine's thread
+  };
+  /// Requests that may wait, and the bytes among them.
+  static constexpr std::size_t kMostWaiting = 64;
+  static constexpr std::size_t kMostWaitingBytes = 2 * kMostFrame;
+  /// Bytes on their way to the client before the next request is begun.
+  static constexpr std::size_t kMostUnsent = kMostFrame;
+
+  EngineThread(const MakeHandle& make, Hooks hooks);
+  /// Stops what runs and waits for it.
+  ~EngineThread();
+  EngineThread(const EngineThread&) = delete;
+  EngineThread& operator=(const EngineThread&) = delete;
+
+  /// False where too much waits already.
+  bool ask(Request request);
+  void cancel(std::uint32_t target);
+  /// Frames of so many bytes have left, or were dropped.
+  void sent(std::size_t n_bytes);
+  /// Stops what runs; nothing is sent any more, and the thread comes to its end.
+  void close();
+
+ private:
+  void run(const MakeHandle& make);
+  bool wait_for_request(Request& request);
+  void carry_out(const Handle& handle, const Request& request);
+  void send(std::vector<Frame> frames);
+
+  Hooks hooks_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<Request> waiting_;
+  std::size_t waiting_bytes_ = 0;
+  std::size_t unsent_ = 0;
+  std::uint32_t running_ = 0;  // meaningful while is_running_
+  bool is_running_ = false;
+  bool is_closed_ = false;
+  std::atomic<bool> stop_{false};
+  std::thread thread_;  // last: it uses all of the above
+};
+
+}  // namespace batten::studio

@@ -1,0 +1,16 @@
+#include <memory>
+
+#include "studio/engine_thread.hpp"
+
+#include "batten/engine/engine.hpp"
+
+namespace batten::studio {
+
+Handle make_engine() {
+  return [engine = std::make_shared<Engine>()](std::string_view text, std::string_view bytes,
+                                               const Progress& progress) {
+    return engine->handle(text, bytes, progress);
+  };
+}
+
+}  // namespace batten::studio
