@@ -186,11 +186,13 @@ std::string memory_remedy(const CLI::App& command) {
 int run_chosen() {
   Context context;
   context.progress = terminal_progress();
+  context.json = chosen.json;
+  context.quiet = chosen.quiet;
   try {
     const Outcome outcome = chosen.work(context);
     if (!chosen.report.empty()) write_report(chosen.report, *chosen.command, outcome, context.progress);
     clear_progress_line();
-    print(outcome);
+    if (!outcome.is_printed) print(outcome);
     std::cout.flush();
     if (!std::cout) return fail(kBadInput, "standard output cannot be written", true);
     if (!outcome.refusal.empty()) return fail(kBadInput, outcome.refusal, true);
@@ -364,6 +366,7 @@ int run(int argc, char** argv) {
   add_deform(app);
   add_report(app);
   add_rig(app);
+  add_studio(app);
   const ShellHelp help(app);
   try {
     app.parse(argc, argv);

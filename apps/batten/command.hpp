@@ -22,8 +22,9 @@ struct Outcome {
   std::vector<std::string> warnings;  ///< becomes "warnings"; printed to stderr without --json
   std::vector<std::string> lines;     ///< printed to stdout without --json
   Exhibit exhibit;                    ///< drawn by --report; may be empty
-  std::string failure;  ///< a sentence: the result is printed all the same, and the exit code is 1
-  std::string refusal;  ///< the same where the input is to blame; the exit code is 3
+  std::string failure;      ///< a sentence: the result is printed all the same, and the exit code is 1
+  std::string refusal;      ///< the same where the input is to blame; the exit code is 3
+  bool is_printed = false;  ///< the work has said itself, while it ran, what there is to say
 };
 
 /// Adds what a request of the library did beside its result: its stage times and its warnings, in which an
@@ -32,7 +33,8 @@ void add_run(const StageTimes& times, const std::vector<std::string>& warnings, 
 
 /// The surroundings of a command that runs.
 struct Context {
-  Progress progress;  ///< draws a line on a terminal, silent elsewhere; Ctrl-C cancels
+  Progress progress;                 ///< draws a line on a terminal, silent elsewhere; Ctrl-C cancels
+  bool json = false, quiet = false;  ///< for work that prints while it runs
 };
 
 using Work = std::function<Outcome(Context&)>;
@@ -86,5 +88,6 @@ void add_simplify(CLI::App& app);
 void add_deform(CLI::App& app);
 void add_repair(CLI::App& app);
 void add_report(CLI::App& app);
+void add_studio(CLI::App& app);
 
 }  // namespace batten::cli
