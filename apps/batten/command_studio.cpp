@@ -71,7 +71,7 @@ Outcome run_studio(const StudioArguments& arguments, const Context& context) {
   } else if (!context.quiet) {
     std::cout << "studio: " << server.url() << "\nCtrl-C ends it" << std::endl;
   }
-  if (!server.has_page()) std::cerr << "warning: " << studio::no_page_sentence() << '\n';
+  if (!server.has_page() && !context.quiet) std::cerr << "warning: " << studio::no_page_sentence() << '\n';
   if (!arguments.no_browser) open_browser(server.url());
   server.wait();
   Outcome outcome;

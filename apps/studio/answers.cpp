@@ -176,6 +176,10 @@ Answer Answers::answer(const Question& question, std::string_view body) {
   return page_answer(question);
 }
 
+OpenedBytes Answers::open_file(std::uint32_t number) const {
+  return folder_ == nullptr ? OpenedBytes() : folder_->open(number);
+}
+
 std::string Answers::session_json() const {
   Json json = {{"ok", true}, {"version", version_}, {"engine", true}};
   json["folder"] = folder_ == nullptr ? Json(nullptr) : Json(folder_->name());

@@ -4,6 +4,7 @@
 #include "studio/page.hpp"
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -49,6 +50,8 @@ class Answers {
   std::optional<Answer> refusal(const Question& question) const;
   /// @pre refusal() gave nothing.
   Answer answer(const Question& question, std::string_view body);
+  /// A file that a message of the socket names by its number; nothing where there is none.
+  OpenedBytes open_file(std::uint32_t number) const;
 
  private:
   Answer page_answer(const Question& question) const;

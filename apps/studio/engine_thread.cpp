@@ -5,6 +5,7 @@
 #include <exception>
 #include <utility>
 
+#include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
 
 namespace batten::studio {
@@ -27,11 +28,11 @@ EngineThread::~EngineThread() {
   thread_.join();
 }
 
-bool EngineThread::ask(Request request) {
+bool EngineThread::ask(Request request, OpenedBytes file) {
   const std::lock_guard lock(mutex_);
   if (waiting_.size() >= kMostWaiting || waiting_bytes_ + size_of(request) > kMostWaitingBytes) return false;
   waiting_bytes_ += size_of(request);
-  waiting_.push_back(std::move(request));
+  waiting_.push_back({std::move(request), std::move(file)});
   changed_.notify_all();
   return true;
 }
@@ -41,10 +42,11 @@ void EngineThread::cancel(std::uint32_t target) {
   {
     const std::lock_guard lock(mutex_);
     if (is_running_ && running_ == target) stop_ = true;
-    const auto found = std::find_if(waiting_.begin(), waiting_.end(),
-                                    [target](const Request& request) { return request.id == target; });
+    const auto found = std::find_if(waiting_.begin(), waiting_.end(), [target](const Waiting& waiting) {
+      return waiting.request.id == target;
+    });
     if (found != waiting_.end()) {
-      waiting_bytes_ -= size_of(*found);
+      waiting_bytes_ -= size_of(found->request);
       waiting_.erase(found);
       was_waiting = true;
     }
@@ -68,27 +70,28 @@ void EngineThread::close() {
 void EngineThread::run(const MakeHandle& make) {
   {
     const Handle handle = make();
-    for (Request request; wait_for_request(request);) carry_out(handle, request);
+    for (Waiting next; wait_for_request(next); next = {}) carry_out(handle, next);
   }
   hooks_.ended();
 }
 
-bool EngineThread::wait_for_request(Request& request) {
+bool EngineThread::wait_for_request(Waiting& next) {
   std::unique_lock lock(mutex_);
   is_running_ = false;
   // A client that does not take its results gets no new ones: memory stays bounded.
   changed_.wait(lock, [this] { return is_closed_ || (!waiting_.empty() && unsent_ < kMostUnsent); });
   if (is_closed_) return false;
-  request = std::move(waiting_.front());
+  next = std::move(waiting_.front());
   waiting_.pop_front();
-  waiting_bytes_ -= size_of(request);
-  running_ = request.id;
+  waiting_bytes_ -= size_of(next.request);
+  running_ = next.request.id;
   is_running_ = true;
   stop_ = false;
   return true;
 }
 
-void EngineThread::carry_out(const Handle& handle, const Request& request) {
+void EngineThread::carry_out(const Handle& handle, Waiting& next) {
+  Request& request = next.request;
   auto last = std::chrono::steady_clock::time_point{};
   const Progress progress([&](std::string_view stage, double fraction) {
     const auto now = std::chrono::steady_clock::now();
@@ -99,9 +102,12 @@ void EngineThread::carry_out(const Handle& handle, const Request& request) {
     return !stop_.load();
   });
   try {
+    if (next.file.descriptor.is_open()) request.bytes = read_all(next.file);
     send(frames_of(request.id, handle(request.text, request.bytes, progress)));
   } catch (const Cancelled& error) {
     send({failure_frame(request.id, "cancelled", error.what())});
+  } catch (const Error& error) {
+    send({failure_frame(request.id, "error", error.what())});
   } catch (const std::bad_alloc&) {
     send({failure_frame(request.id, "memory", "there is not enough memory for this")});
   } catch (const std::exception& error) {

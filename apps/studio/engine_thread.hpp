@@ -1,4 +1,5 @@
 #pragma once
+#include "studio/folder.hpp"
 #include "studio/frames.hpp"
 
 #include <atomic>
@@ -44,8 +45,8 @@ class EngineThread {
   EngineThread(const EngineThread&) = delete;
   EngineThread& operator=(const EngineThread&) = delete;
 
-  /// False where too much waits already.
-  bool ask(Request request);
+  /// False where too much waits already. @param file is read when the request's turn comes, where it has one.
+  bool ask(Request request, OpenedBytes file = {});
   void cancel(std::uint32_t target);
   /// Frames of so many bytes have left, or were dropped.
   void sent(std::size_t n_bytes);
@@ -54,14 +55,18 @@ class EngineThread {
 
  private:
   void run(const MakeHandle& make);
-  bool wait_for_request(Request& request);
-  void carry_out(const Handle& handle, const Request& request);
+  struct Waiting {
+    Request request;
+    OpenedBytes file;
+  };
+  bool wait_for_request(Waiting& next);
+  void carry_out(const Handle& handle, Waiting& next);
   void send(std::vector<Frame> frames);
 
   Hooks hooks_;
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::deque<Request> waiting_;
+  std::deque<Waiting> waiting_;
   std::size_t waiting_bytes_ = 0;
   std::size_t unsent_ = 0;
   std::uint32_t running_ = 0;  // meaningful while is_running_

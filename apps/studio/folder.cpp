@@ -101,6 +101,19 @@ int Descriptor::release() {
   return std::exchange(number_, -1);
 }
 
+std::string read_all(const OpenedBytes& file) {
+  if (file.size > kMostRead)
+    throw Error(concat("the file has ", file.size, " bytes, more than the ", kMostRead, " that are read"));
+  std::string bytes(file.size, '\0');
+  for (std::size_t done = 0; done < bytes.size();) {
+    const ssize_t n = ::read(file.descriptor.number(), bytes.data() + done, bytes.size() - done);
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) throw Error("the file was shortened while it was read, or cannot be read");
+    done += static_cast<std::size_t>(n);
+  }
+  return bytes;
+}
+
 Folder::Folder(const std::string& place) {
   std::error_code error;
   fs::path root = fs::canonical(place, error);

@@ -47,6 +47,10 @@ struct OpenedBytes {
   std::uint64_t size = 0;
 };
 
+/// All its bytes. @throws Error where it is longer than kMostRead or cannot be read.
+std::string read_all(const OpenedBytes& file);
+inline constexpr std::uint64_t kMostRead = std::uint64_t{2} << 30;
+
 /// What became of a file that was to be written.
 struct Written {
   enum class Outcome { Done, BadName, Exists, Failed };

@@ -72,7 +72,14 @@ Incoming message_of(std::string frame, std::optional<std::uint64_t>& n_bytes) {
       return Problem{short_id, concat("'bytes' must be a whole number from 0 to ", kMostFrame,
                                       ", the length of the binary frame that follows")};
   }
-  return Request{short_id, std::move(frame), {}};
+  std::optional<std::uint32_t> file;
+  if (message.contains("file")) {
+    const auto number = whole_number(message, "file", kLargestId);
+    if (!number || n_bytes)
+      return Problem{short_id, "'file' must be the number of a file, without 'bytes' beside it"};
+    file = static_cast<std::uint32_t>(*number);
+  }
+  return Request{short_id, std::move(frame), {}, file};
 }
 
 void append(std::string& text, std::uint32_t value) {

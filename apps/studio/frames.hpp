@@ -20,8 +20,9 @@ inline constexpr std::size_t kMostText = std::size_t{8} << 20;
 /// A message for the engine, complete with its bytes.
 struct Request {
   std::uint32_t id = 0;
-  std::string text;   ///< the JSON as it came
-  std::string bytes;  ///< of the frame that followed, where it announced one
+  std::string text;                   ///< the JSON as it came
+  std::string bytes;                  ///< of the frame that followed, where it announced one
+  std::optional<std::uint32_t> file;  ///< the number of a file of the folder that stands for bytes
 };
 /// The request `target` is to stop, whether it runs or waits.
 struct Cancel {

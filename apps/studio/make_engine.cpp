@@ -1,6 +1,6 @@
-#include <memory>
-
 #include "studio/engine_thread.hpp"
+
+#include <memory>
 
 #include "batten/engine/engine.hpp"
 

@@ -9,11 +9,21 @@
 #include <utility>
 
 #include <boost/asio/signal_set.hpp>
+#include <fcntl.h>
 
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
 
 namespace batten::studio {
+
+namespace {
+
+/// The browser would hold the port for as long as it runs.
+void keep_from_children(int descriptor) {
+  fcntl(descriptor, F_SETFD, FD_CLOEXEC);
+}
+
+}  // namespace
 
 struct Server::State {
   explicit State(ServerOptions given)
@@ -36,6 +46,7 @@ struct Server::State {
     const tcp::endpoint place(net::ip::address_v4::loopback(), wanted);
     acceptor.open(place.protocol(), error);
     if (!error) acceptor.set_option(net::socket_base::reuse_address(true), error);
+    if (!error) keep_from_children(acceptor.native_handle());
     if (!error) acceptor.bind(place, error);
     if (!error) acceptor.listen(net::socket_base::max_listen_connections, error);
     error_code ignored;
@@ -60,6 +71,7 @@ struct Server::State {
           if (!stopped) accept();
         });
       }
+      keep_from_children(socket.native_handle());
       if (hub.n_connections < hub.limits.connections)
         std::make_shared<Connection>(std::move(socket), hub)->read();
       else

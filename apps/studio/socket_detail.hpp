@@ -1,4 +1,5 @@
 #pragma once
+#include "studio/answers.hpp"
 #include "studio/engine_thread.hpp"
 #include "studio/server.hpp"
 
@@ -34,7 +35,6 @@ namespace websocket = beast::websocket;
 using tcp = net::ip::tcp;
 using boost::system::error_code;
 
-class Answers;
 inline constexpr std::size_t kMostQueued = 1024;         // frames for a client that does not read
 inline constexpr std::size_t kQueuedBeforeDropping = 4;  // more than these: progress is dropped
 
@@ -139,15 +139,24 @@ class Socket : public std::enable_shared_from_this<Socket> {
         hub_.tell(concat("socket ", number_, ": ", problem->sentence));
         replies.push_back(failure_frame(problem->id, "protocol", problem->sentence));
       } else {
-        auto& request = std::get<Request>(incoming);
-        const std::uint32_t id = request.id;
-        if (!engine().ask(std::move(request)))
-          replies.push_back(
-              failure_frame(id, "busy", "too many requests wait; ask again when some are answered"));
+        ask(std::get<Request>(std::move(incoming)), replies);
       }
     }
     queue(std::move(replies));
     if (!has_ended_) read();
+  }
+
+  void ask(Request request, std::vector<Frame>& replies) {
+    const std::uint32_t id = request.id;
+    OpenedBytes file;
+    if (request.file) {
+      file = hub_.answers->open_file(*request.file);
+      if (!file.descriptor.is_open())
+        return replies.push_back(failure_frame(id, "error", "there is no file of this number"));
+    }
+    if (!engine().ask(std::move(request), std::move(file)))
+      replies.push_back(
+          failure_frame(id, "busy", "too many requests wait; ask again when some are answered"));
   }
 
   void write() {

@@ -25,6 +25,8 @@ TEST(Frames, ATextIsARequest) {
   const auto complete = reader.text(text);
   EXPECT_EQ(only<Request>(complete).id, 4294967295U);
   EXPECT_EQ(only<Request>(complete).text, text);
+  EXPECT_FALSE(only<Request>(complete).file.has_value());
+  EXPECT_EQ(only<Request>(reader.text(R"({"id":1,"op":"open","file":7})")).file, 7U);
   EXPECT_EQ(only<Cancel>(reader.text(R"({"op":"cancel","target":7})")).target, 7U);
 }
 
@@ -48,12 +50,27 @@ TEST(Frames, WrongOnesAreRefusedAndForgotten) {
   ASSERT_EQ(complete.size(), 2U);
   EXPECT_EQ(std::get<Problem>(complete[0]).id, 2U);
   EXPECT_EQ(std::get<Request>(complete[1]).id, 3U);
-  for (const char* text :
-       {"", "{", "[]", "null", "{}", R"({"id":1})", R"({"op":"show"})", R"({"id":-1,"op":"show"})",
-        R"({"id":1.5,"op":"show"})", R"({"id":"1","op":"show"})", R"({"id":4294967296,"op":"show"})",
-        R"({"id":1,"op":3})", R"({"op":"cancel"})", R"({"op":"cancel","target":-1})",
-        R"({"id":1,"op":"open","bytes":-1})", R"({"id":1,"op":"open","bytes":"3"})",
-        R"({"id":1,"op":"open","bytes":67108865})", R"({"id":1,"op":"open","bytes":1e3})"}) {
+  for (const char* text : {"",
+                           "{",
+                           "[]",
+                           "null",
+                           "{}",
+                           R"({"id":1})",
+                           R"({"op":"show"})",
+                           R"({"id":-1,"op":"show"})",
+                           R"({"id":1.5,"op":"show"})",
+                           R"({"id":"1","op":"show"})",
+                           R"({"id":4294967296,"op":"show"})",
+                           R"({"id":1,"op":3})",
+                           R"({"op":"cancel"})",
+                           R"({"op":"cancel","target":-1})",
+                           R"({"id":1,"op":"open","bytes":-1})",
+                           R"({"id":1,"op":"open","bytes":"3"})",
+                           R"({"id":1,"op":"open","file":-1})",
+                           R"({"id":1,"op":"open","file":"a"})",
+                           R"({"id":1,"op":"open","file":1,"bytes":3})",
+                           R"({"id":1,"op":"open","bytes":67108865})",
+                           R"({"id":1,"op":"open","bytes":1e3})"}) {
     EXPECT_FALSE(only<Problem>(reader.text(text)).sentence.empty()) << text;
   }
   EXPECT_FALSE(only<Problem>(reader.text(std::string(kMostText + 1, ' '))).sentence.empty());

@@ -10,8 +10,12 @@
 #include <string>
 #include <vector>
 
+#include <arpa/inet.h>
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
 #include <nlohmann/json.hpp>
+#include <sys/socket.h>
 
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
@@ -291,6 +295,24 @@ TEST(Server, TakesTheWantedPortOrSaysThatItIsTaken) {
   EXPECT_NE(usual.port(), other.port());
   options.place = scratch() + "/nowhere";
   EXPECT_THROW(studio::Server{options}, FileError);
+}
+
+// A browser that the program has started would else keep the port taken after the end of the server.
+TEST(Server, ItsSocketsAreNotForChildren) {
+  Studio studio(quick());
+  Wire wire(studio.server().port());
+  wire.send("GET / HTTP/1.1\r\nHost: " + studio.host() + "\r\n\r\n");
+  EXPECT_NE(wire.answer().status, 0);
+  int n = 0;
+  for (int descriptor = 3; descriptor < 256; ++descriptor) {
+    sockaddr_in address{};
+    socklen_t size = sizeof address;
+    if (::getsockname(descriptor, reinterpret_cast<sockaddr*>(&address), &size) != 0) continue;
+    if (address.sin_family != AF_INET || ntohs(address.sin_port) != studio.server().port()) continue;
+    ++n;
+    EXPECT_NE(::fcntl(descriptor, F_GETFD) & FD_CLOEXEC, 0);
+  }
+  EXPECT_EQ(n, 2) << "the one that listens and the one of the connection";
 }
 
 TEST(Server, NothingListensOutsideThisMachine) {

@@ -1,4 +1,5 @@
 // The socket /engine: messages in, replies and arrays out, cancel, and what must not harm it.
+#include "scratch.hpp"
 #include "studio/client.hpp"
 #include "studio/engine_thread.hpp"
 #include "studio/frames.hpp"
@@ -7,6 +8,8 @@
 #include <atomic>
 #include <chrono>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <memory>
 #include <string>
 #include <thread>
@@ -83,6 +86,30 @@ TEST(Socket, TakesBytesAndAnswersInOrder) {
     if (id == 2) {
       EXPECT_EQ(reply["n_bytes"], 70000);
     }
+  }
+}
+
+// A file of the folder goes to the engine by its number, whatever its length; the page never sees its bytes.
+TEST(Socket, OpensFilesOfTheFolderByNumber) {
+  studio::ServerOptions options = with_script();
+  const std::filesystem::path folder = std::filesystem::path(scratch()) / "socket";
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder / "hull.ply") << std::string(100000, 'x');
+  std::ofstream(folder / "gone.ply") << "x";
+  options.place = folder.string();
+  Studio studio(options);
+  const auto wire = studio.open_socket();
+  ASSERT_TRUE(wire);
+  send_json(*wire, {{"id", 1}, {"op", "open"}, {"file", 1}});
+  EXPECT_EQ(Json::parse(receive_reply(*wire).text)["ok"], false) << "the list gives the numbers";
+  EXPECT_EQ(studio.ask_as_page("GET", "/files").status, 200);
+  std::filesystem::remove(folder / "gone.ply");
+  send_json(*wire, {{"id", 2}, {"op", "open"}, {"file", 1}});
+  EXPECT_EQ(Json::parse(receive_reply(*wire).text)["n_bytes"], 100000);
+  for (const int number : {0, 2, 1000000}) {
+    send_json(*wire, {{"id", 3}, {"op", "open"}, {"file", number}});
+    const Json reply = Json::parse(receive_reply(*wire).text);
+    EXPECT_EQ(reply["kind"], "error") << reply;
   }
 }
 
