@@ -87,6 +87,7 @@ void add_studio(CLI::App& app) {
       add_command(app, "studio", "Open Batten in the browser: a server for this machine alone, until Ctrl-C.",
                   "batten studio scans/ --port 8617",
                   [arguments](Context& context) { return run_studio(*arguments, context); });
+  command->remove_option(command->get_option("--report"));  // there is no result to report on
   command->add_option(
       "PLACE", arguments->place,
       "Folder whose files may be opened and that files are written to, or one file; without it "
@@ -94,8 +95,7 @@ void add_studio(CLI::App& app) {
   command
       ->add_option("--port", arguments->port,
                    "Port on 127.0.0.1; 0 takes a free one. Without it 8617 where that is free, so that the "
-                   "browser finds "
-                   "again what it keeps for the page, else a free one")
+                   "browser finds again what it keeps for the page, else a free one")
       ->check(parses("N", [](const std::string& text) { parse_port(text); }));
   command->add_flag("--no-browser", arguments->no_browser, "Print the address and open nothing");
   command

@@ -21,11 +21,13 @@ class StudioProgram {
   explicit StudioProgram(const std::string& option) {
     int ends[2] = {-1, -1};
     EXPECT_EQ(::pipe(ends), 0);
+    const std::string folder = scratch(),
+                      errors = scratch_file("studio.err");  // of this process, not of the child
     pid_ = ::fork();
     if (pid_ == 0) {
       ::dup2(ends[1], 1);
-      ::dup2(::open(scratch_file("studio.err").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), 2);
-      ::execl(BATTEN_PROGRAM, BATTEN_PROGRAM, "studio", scratch().c_str(), "--port", "0", "--no-browser",
+      ::dup2(::open(errors.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), 2);
+      ::execl(BATTEN_PROGRAM, BATTEN_PROGRAM, "studio", folder.c_str(), "--port", "0", "--no-browser",
               option.c_str(), nullptr);
       ::_exit(127);
     }
