@@ -2,6 +2,7 @@
 import { effect, signal } from '@preact/signals';
 import sample from 'batten-sample?url';
 import { ACCEPTED, bytesOf, choose, download, fileName } from './document/files';
+import { type Folder, Server, type ServerFile } from './document/server';
 import type { Store } from './document/store';
 import type { Drawn, RequestOptions } from './document/types';
 import { Sketching } from './rooms/sketching';
@@ -45,6 +46,9 @@ export class App {
   readonly theme = signal<'system' | 'light' | 'dark'>('system');
   /** The colour bars as backgrounds, from below to above. */
   readonly ramps = signal({ sequential: '', diverging: '' });
+  /** The files of the server's folder, where there is one. */
+  readonly folder = signal<Folder | null>(null);
+  private server: Server | null = null;
   readonly sketch = new Sketching(this);
   view: View | null = null;
   drawing: Drawing | null = null;
@@ -53,6 +57,7 @@ export class App {
   constructor(readonly store: Store) {
     this.registerCommands();
     this.started = store.start(true);
+    void this.findServer();
     this.started.catch((error: unknown) =>
       store.tell('error', `The engine could not be started: ${error instanceof Error ? error.message : String(error)}.`, 'Load the page again, or take another browser.'),
     );
@@ -132,16 +137,56 @@ export class App {
     await this.openFiles([['sample.rawnet', await answer.blob()] as const]);
   }
 
+  private async findServer(): Promise<void> {
+    this.server = await Server.connect();
+    if (!this.server || this.server.folder === null) return;
+    try {
+      await this.started;
+      this.folder.value = await this.server.files();
+      const wanted = this.folder.value.files.find((one) => one.number === this.folder.value?.open);
+      if (wanted && this.store.objects.value.length === 0) await this.openServerFile(wanted);
+    } catch (error) {
+      this.store.tell('error', error instanceof Error ? error.message : String(error));
+    }
+  }
+
+  async openServerFile(file: ServerFile): Promise<void> {
+    if (!this.server) return;
+    try {
+      await this.openFiles([[file.name.replace(/^.*\//, ''), await this.server.bytes(file)] as const]);
+    } catch (error) {
+      this.store.tell('error', `${file.name}: ${error instanceof Error ? error.message : String(error)}`);
+    }
+  }
+
+  /** Into the server's folder where there is one, else as a download. */
+  private async keep(bytes: Uint8Array<ArrayBuffer>, name: string): Promise<void> {
+    if (!this.server || this.server.folder === null) {
+      download(bytes, name);
+      return;
+    }
+    try {
+      const data = new Blob([bytes]);
+      const written = (await this.server.write(name, data, false)) || (confirm(`Replace ${name}?`) && (await this.server.write(name, data, true)));
+      if (!written) return;
+      this.store.tell('info', `${name} is in the folder ${this.server.folder}.`);
+      this.folder.value = await this.server.files();
+    } catch (error) {
+      this.store.tell('error', error instanceof Error ? error.message : String(error), 'It is downloaded instead.');
+      download(bytes, name);
+    }
+  }
+
   async saveObject(format: string): Promise<void> {
     const object = this.store.selectedObject.value;
     if (!object) return;
     const bytes = await this.store.save(object.id, format);
-    if (bytes) download(bytes, fileName(object.name, format));
+    if (bytes) await this.keep(bytes, fileName(object.name, format));
   }
 
   async saveProject(): Promise<void> {
     const bytes = await this.store.save(null, 'batten');
-    if (bytes) download(bytes, fileName(this.store.objects.value[0]?.name ?? 'project', 'batten'));
+    if (bytes) await this.keep(bytes, fileName(this.store.objects.value[0]?.name ?? 'project', 'batten'));
   }
 
   async savePicture(): Promise<void> {

@@ -205,6 +205,27 @@ export function Sentences(props: { title: string; list: string[] }) {
   );
 }
 
+/** What is in the folder that the server was started for. */
+function FolderList({ app }: { app: App }) {
+  const folder = app.folder.value;
+  if (!folder) return null;
+  return (
+    <>
+      <h3>In {folder.folder}</h3>
+      <ul class="files">
+        {folder.files.map((file) => (
+          <li key={file.number}>
+            <button type="button" class="link" onClick={() => void app.openServerFile(file)}>
+              {file.name}
+            </button>
+          </li>
+        ))}
+      </ul>
+      {folder.left_out > 0 && <p class="hint">{folder.left_out} more are not listed.</p>}
+    </>
+  );
+}
+
 function Welcome({ app }: { app: App }) {
   return (
     <div class="welcome">
@@ -216,6 +237,7 @@ function Welcome({ app }: { app: App }) {
       <button type="button" onClick={() => void app.chooseFiles()}>
         Open a file…
       </button>
+      <FolderList app={app} />
     </div>
   );
 }

@@ -1,0 +1,56 @@
+/** The page behind `batten studio`: a folder's file opened, its surface written back, and nobody else let in. */
+import { type ChildProcess, spawn } from 'node:child_process';
+import { copyFileSync, existsSync, mkdtempSync, readFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { createInterface } from 'node:readline';
+import { expect, test } from '@playwright/test';
+import { triangles } from './page';
+
+const root = new URL('../../../', import.meta.url).pathname;
+const program = process.env.BATTEN_PROGRAM ?? join(root, 'build/release/bin/batten');
+
+test.describe('with the server', () => {
+  test.skip(!existsSync(program), 'the program is not built: ./test program web');
+
+  let server: ChildProcess;
+  let folder: string;
+  let url: string;
+  test.beforeAll(async () => {
+    folder = mkdtempSync(join(tmpdir(), 'batten-studio-'));
+    copyFileSync(join(root, 'data/sample.rawnet'), join(folder, 'hull.rawnet'));
+    server = spawn(program, ['studio', folder, '--no-browser', '--json', '--port', '0', '--page', join(root, 'web/dist')]);
+    const lines = createInterface({ input: server.stdout as NodeJS.ReadableStream });
+    for await (const line of lines) {
+      url = (JSON.parse(line) as { url: string }).url;
+      break;
+    }
+  });
+  test.afterAll(() => {
+    server.kill('SIGTERM');
+  });
+
+  test('a file of the folder becomes a surface in the folder', async ({ page }) => {
+    await page.goto(url);
+    await page.getByRole('button', { name: 'hull.rawnet' }).click();
+    await expect.poll(() => triangles(page), { timeout: 60_000 }).toBeGreaterThan(10_000);
+    expect(page.url()).not.toContain('#'); // the secret is not left in the address
+    await page.getByLabel('Save the selected object as').selectOption('ply');
+    await expect(page.getByText(/hull surface\.ply is in the folder/)).toBeVisible();
+    expect(readFileSync(join(folder, 'hull surface.ply')).subarray(0, 3).toString()).toBe('ply');
+    // The page again, without the secret: the cookie is enough.
+    await page.reload();
+    await expect.poll(() => triangles(page), { timeout: 60_000 }).toBeGreaterThan(10_000);
+    expect(await page.evaluate(() => globalThis.batten?.folder.value?.files.length)).toBe(2);
+  });
+
+  test('another browser has the page and no files', async ({ browser }) => {
+    const context = await browser.newContext();
+    const page = await context.newPage();
+    await page.goto(url.replace(/#.*/, ''));
+    await expect(page.getByRole('button', { name: 'Open the sample scan' })).toBeVisible();
+    await expect.poll(() => page.evaluate(() => globalThis.batten?.store.started.value)).toBe(true);
+    expect(await page.evaluate(() => globalThis.batten?.folder.value)).toBeNull();
+    await context.close();
+  });
+});
