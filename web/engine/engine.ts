@@ -14,13 +14,23 @@ export class EngineError extends Error {
   }
 }
 
+/** Whoever carries out messages: a worker of the page, or a server. */
+export interface AnyEngine {
+  readonly name: string;
+  start(keep: boolean): Promise<Success>;
+  /** One message. `bytes` are handed over: the caller loses them. @throws EngineError */
+  ask(message: Message, bytes?: ArrayBuffer, onProgress?: Listener): Promise<Success>;
+  end(): void;
+}
+
 interface Pending {
   resolve: (answer: Success) => void;
   reject: (error: EngineError) => void;
   onProgress?: Listener | undefined;
 }
 
-export class Engine {
+export class Engine implements AnyEngine {
+  readonly name = 'engine in this page';
   private worker: Worker | null = null;
   private pending = new Map<number, Pending>();
   private next = 1;
@@ -37,17 +47,12 @@ export class Engine {
     return this.send((id) => ({ kind: 'start', id, keep }));
   }
 
-  /** One message. `bytes` are handed over: the caller loses them. @throws EngineError */
   ask(message: Message, bytes?: ArrayBuffer, onProgress?: Listener): Promise<Success> {
     return this.send(
       (id) => (bytes ? { kind: 'ask', id, message, bytes } : { kind: 'ask', id, message }),
       bytes ? [bytes] : [],
       onProgress,
     );
-  }
-
-  get busy(): boolean {
-    return this.pending.size > 0;
   }
 
   /** Ends the worker whatever it does; what was asked fails as cancelled. The project is in the journal. */

@@ -1,12 +1,14 @@
 /** What panels and commands ask for: puts the store and the view together. */
 import { effect, signal } from '@preact/signals';
 import sample from 'batten-sample?url';
+import { SocketEngine } from '../engine/socket';
 import { ACCEPTED, bytesOf, choose, download, fileName } from './document/files';
 import { type Folder, Server, type ServerFile } from './document/server';
 import type { Store } from './document/store';
 import type { Drawn, RequestOptions } from './document/types';
 import { Sketching } from './rooms/sketching';
 import { register } from './ui/commands';
+import { startTour } from './ui/tour';
 import type { NamedView } from './view/camera';
 import { Drawing } from './view/drawing';
 import type { Shading } from './view/materials';
@@ -27,6 +29,8 @@ export interface Look {
   curves: boolean;
 }
 
+/** Triangles. */
+const NATIVE_ABOVE = 150_000;
 const VALUE_SHADINGS = ['mean-curvature', 'gaussian-curvature', 'error'];
 
 /** Linear colours as a gradient of the page. */
@@ -48,8 +52,10 @@ export class App {
   readonly ramps = signal({ sequential: '', diverging: '' });
   /** The files of the server's folder, where there is one. */
   readonly folder = signal<Folder | null>(null);
+  readonly hasServer = signal(false);
   private server: Server | null = null;
   readonly sketch = new Sketching(this);
+  private offered = false;
   view: View | null = null;
   drawing: Drawing | null = null;
   private readonly started: Promise<void>;
@@ -77,6 +83,13 @@ export class App {
       this.ramps.value = { sequential: rampOf(sequential), diverging: rampOf(diverging) };
     }, () => {});
     effect(() => view.setObjects(this.visible()));
+    effect(() => {
+      const largest = Math.max(0, ...[...this.store.drawn.value.values()].map((one) => one.mesh?.n_triangles ?? 0));
+      if (largest > NATIVE_ABOVE && this.hasServer.value && !this.offered) {
+        this.offered = true;
+        this.store.tell('info', 'This is a large model; the native engine of the server is faster.', 'Ctrl+K, "Use the native engine".');
+      }
+    });
     effect(() => {
       const look = this.look.value;
       const shading: Shading = VALUE_SHADINGS.includes(look.shading) ? 'values' : (look.shading as Shading);
@@ -135,10 +148,12 @@ export class App {
   async openSample(): Promise<void> {
     const answer = await fetch(sample);
     await this.openFiles([['sample.rawnet', await answer.blob()] as const]);
+    startTour();
   }
 
   private async findServer(): Promise<void> {
     this.server = await Server.connect();
+    this.hasServer.value = this.server !== null;
     if (!this.server || this.server.folder === null) return;
     try {
       await this.started;
@@ -156,6 +171,16 @@ export class App {
       await this.openFiles([[file.name.replace(/^.*\//, ''), await this.server.bytes(file)] as const]);
     } catch (error) {
       this.store.tell('error', `${file.name}: ${error instanceof Error ? error.message : String(error)}`);
+    }
+  }
+
+  /** Big models are faster outside the page: the project goes over to the server's engine. */
+  async useNative(): Promise<void> {
+    try {
+      await this.store.moveTo(new SocketEngine(`${location.origin.replace(/^http/, 'ws')}/engine`));
+      this.store.tell('info', 'The native engine works now. Save the project: the browser does not keep it any more.');
+    } catch (error) {
+      this.store.tell('error', error instanceof Error ? error.message : String(error));
     }
   }
 
@@ -294,6 +319,20 @@ export class App {
       { id: 'new', title: 'New project', when: hasObjects, run: () => store.clear() },
       { id: 'undo', title: 'Undo', keys: 'Ctrl+Z', when: () => store.canUndo.value, run: () => store.undo() },
       { id: 'redo', title: 'Redo', keys: 'Ctrl+Shift+Z', when: () => store.canRedo.value, run: () => store.redo() },
+      {
+        id: 'tour',
+        title: 'Tour of the studio',
+        run: async () => {
+          if (!hasObjects()) await this.openSample();
+          startTour(true);
+        },
+      },
+      {
+        id: 'native',
+        title: 'Use the native engine of the server',
+        when: () => this.hasServer.value && !(store.engine instanceof SocketEngine),
+        run: () => this.useNative(),
+      },
       { id: 'palette', title: 'Find a command', keys: 'Ctrl+K', run: () => void (this.palette.value = true) },
       { id: 'keys', title: 'Keys and mouse', keys: '?', run: () => void (this.help.value = !this.help.value) },
       { id: 'fit', title: 'Fit the view', keys: 'F', run: () => this.view?.fit() },

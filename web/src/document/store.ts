@@ -3,7 +3,8 @@
  * afterwards stands in signals that the panels read. Knows nothing of the view.
  */
 import { batch, computed, signal } from '@preact/signals';
-import { Engine, EngineError } from '../../engine/engine';
+import { type AnyEngine, EngineError } from '../../engine/engine';
+import { SocketEngine } from '../../engine/socket';
 import type { Message, Success } from '../../engine/messages';
 import type { Continuity, Drawn, Edit, ObjectEntry, RequestOptions, Values } from './types';
 
@@ -52,7 +53,32 @@ export class Store {
   private waiting: { target: string; request: RequestOptions; show: string | null; rest: boolean; drag: number } | null = null;
   private shows = 0;
 
-  constructor(readonly engine: Engine) {}
+  readonly engineName = signal('');
+
+  constructor(private current: AnyEngine) {
+    this.engineName.value = current.name;
+  }
+
+  get engine(): AnyEngine {
+    return this.current;
+  }
+
+  /** The project goes over to another engine, whole with its history. */
+  async moveTo(other: AnyEngine): Promise<void> {
+    const { arrays } = await this.engine.ask({ op: 'save' });
+    const project = (arrays.file as Uint8Array<ArrayBuffer>).slice().buffer;
+    await other.start(false);
+    if (this.objects.value.length > 0) await other.ask({ op: 'open', name: 'project.batten' }, project);
+    const selected = this.selected.value;
+    this.current.end();
+    this.current = other;
+    this.engineName.value = other.name;
+    this.kept.value = false; // the journal is that of the page's own engine
+    this.forget();
+    await this.refresh();
+    this.selected.value = this.objects.value.some((one) => one.id === selected) ? selected : null;
+    await this.showAll();
+  }
 
   async start(keep: boolean): Promise<void> {
     const { json } = await this.engine.start(keep);
@@ -276,6 +302,10 @@ export class Store {
 
   /** Ends what the engine does. The project comes back from the journal, as it was before. */
   async cancel(): Promise<void> {
+    if (this.engine instanceof SocketEngine) {
+      this.engine.cancel();
+      return;
+    }
     if (!this.kept.value) {
       this.tell('warning', 'This browser keeps no journal, so that stopping would lose the project.', 'Wait for the end.');
       return;

@@ -8,6 +8,7 @@ import { available, commands } from './commands';
 import { milliseconds, short } from './numbers';
 import { lazy } from './lazy';
 import { Palette } from './palette';
+import { Tour } from './tour';
 
 const SketchPanel = lazy(() => import('../rooms/sketch').then((room) => room.SketchPanel));
 const InspectPanel = lazy(() => import('../rooms/inspect').then((room) => room.InspectPanel));
@@ -45,6 +46,7 @@ export function Shell({ app }: { app: App }) {
         <Canvas app={app} />
         <Legend app={app} />
         <Progress app={app} />
+        <Tour app={app} />
         <Notices app={app} />
       </main>
       <aside class="panel" aria-label="Panel of the room">
@@ -230,7 +232,7 @@ function Status({ app }: { app: App }) {
         </span>
       )}
       {last && <span>{milliseconds(last.ms)}</span>}
-      <span>{store.started.value ? 'engine in this page' : 'the engine starts…'}</span>
+      <span>{store.started.value ? store.engineName.value : 'the engine starts…'}</span>
       {store.started.value && <span>{store.kept.value ? 'kept in this browser' : 'not kept: save the project'}</span>}
     </footer>
   );

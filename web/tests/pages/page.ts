@@ -47,6 +47,8 @@ export async function stripes(page: Page): Promise<number> {
 /** Pictures of the documents are made by the tests that show the same: BATTEN_PICTURES=yes npm run pages. */
 export async function picture(page: Page, name: string): Promise<void> {
   if (!process.env.BATTEN_PICTURES) return;
+  const leave = page.getByRole('button', { name: 'Leave' });
+  if (await leave.isVisible()) await leave.click();
   await page.waitForTimeout(1000); // drawn, not only asked for
   await page.screenshot({ path: new URL(`../../../docs/pictures/${name}.png`, import.meta.url).pathname });
 }

@@ -44,6 +44,31 @@ test.describe('with the server', () => {
     expect(await page.evaluate(() => globalThis.batten?.folder.value?.files.length)).toBe(2);
   });
 
+  test('the native engine takes the project over and gives the same', async ({ page }) => {
+    // The secret of the address is spent: the cookie of this context was not. A server of its own, then.
+    const own = spawn(program, ['studio', folder, '--no-browser', '--json', '--port', '0', '--page', join(root, 'web/dist')]);
+    let address = '';
+    for await (const line of createInterface({ input: own.stdout })) {
+      address = (JSON.parse(line) as { url: string }).url;
+      break;
+    }
+    try {
+      await page.goto(address);
+      await page.getByRole('button', { name: 'hull.rawnet' }).click();
+      await expect.poll(() => triangles(page), { timeout: 60_000 }).toBeGreaterThan(10_000);
+      const inPage = await triangles(page);
+      await page.keyboard.press('Control+k');
+      await page.getByLabel('Words of a command').fill('native');
+      await page.keyboard.press('Enter');
+      await expect(page.getByText('native engine', { exact: true })).toBeVisible({ timeout: 60_000 });
+      await expect.poll(() => triangles(page), { timeout: 60_000 }).toBe(inPage);
+      await page.keyboard.press('Control+z'); // the history came over
+      await expect.poll(() => page.evaluate(() => globalThis.batten?.store.objects.value.length)).toBe(2);
+    } finally {
+      own.kill('SIGTERM');
+    }
+  });
+
   test('another browser has the page and no files', async ({ browser }) => {
     const context = await browser.newContext();
     const page = await context.newPage();

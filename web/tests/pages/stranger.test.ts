@@ -40,6 +40,25 @@ test('sample scan, stripes, a slider, a file, undo, and back after the window wa
   expect(errors).toEqual([]);
 });
 
+test('a tour of five steps, once', async ({ page }) => {
+  await openSample(page);
+  const tour = page.getByRole('region', { name: /^Tour/ });
+  await expect(tour).toBeVisible();
+  for (let step = 1; step <= 4; ++step) {
+    if (step === 3) {
+      await tour.getByRole('button', { name: 'Show reflection lines' }).click();
+      expect(await page.evaluate(() => globalThis.batten?.look.value.shading)).toBe('reflection-lines');
+    }
+    if (step === 4) {
+      await tour.getByRole('button', { name: 'Check all curves' }).click();
+      await expect(page.getByText(/smooth curves (pass|fail)/)).toBeVisible({ timeout: 30_000 });
+    }
+    await tour.getByRole('button', { name: /^Next/ }).click();
+  }
+  await tour.getByRole('button', { name: 'Begin' }).click();
+  await expect(tour).toBeHidden();
+});
+
 test('a file that is none is refused in words, and nothing is lost', async ({ page }) => {
   await page.goto('/');
   await expect.poll(() => page.evaluate(() => globalThis.batten?.store.started.value)).toBe(true);
