@@ -4,12 +4,12 @@ import { type App, ROOMS } from '../app';
 import type { Notice } from '../document/store';
 import { ReconstructPanel } from '../rooms/reconstruct';
 import { View } from '../view/scene';
-import { available, commands } from './commands';
 import { milliseconds, short } from './numbers';
 import { lazy } from './lazy';
-import { Palette } from './palette';
 import { Tour } from './tour';
 
+const Palette = lazy(() => import('./palette').then((part) => part.Palette));
+const Help = lazy(() => import('./help').then((part) => part.Help));
 const SketchPanel = lazy(() => import('../rooms/sketch').then((room) => room.SketchPanel));
 const InspectPanel = lazy(() => import('../rooms/inspect').then((room) => room.InspectPanel));
 const ProcessPanel = lazy(() => import('../rooms/process').then((room) => room.ProcessPanel));
@@ -235,33 +235,5 @@ function Status({ app }: { app: App }) {
       <span>{store.started.value ? store.engineName.value : 'the engine starts…'}</span>
       {store.started.value && <span>{store.kept.value ? 'kept in this browser' : 'not kept: save the project'}</span>}
     </footer>
-  );
-}
-
-function Help({ app }: { app: App }) {
-  const dialog = useRef<HTMLDialogElement>(null);
-  useEffect(() => dialog.current?.showModal(), []);
-  return (
-    <dialog ref={dialog} class="help-dialog" onClose={() => (app.help.value = false)} aria-label="Keys and mouse">
-      <h2>Keys and mouse</h2>
-      <p>Drag to turn about what is under the cursor; right button or shift to move; wheel to zoom to the cursor. One finger turns, two move and pinch.</p>
-      <table>
-        <tbody>
-          {commands()
-            .filter((command) => command.keys)
-            .map((command) => (
-              <tr key={command.id} class={available(command) ? '' : 'off'}>
-                <th scope="row">
-                  <kbd>{command.keys}</kbd>
-                </th>
-                <td>{command.title}</td>
-              </tr>
-            ))}
-        </tbody>
-      </table>
-      <button type="button" onClick={() => dialog.current?.close()}>
-        Close
-      </button>
-    </dialog>
   );
 }
