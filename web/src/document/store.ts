@@ -80,11 +80,12 @@ export class Store {
     await this.showAll();
   }
 
-  async start(keep: boolean): Promise<void> {
+  /** @param show what the journal brought back; not after a stop, which would begin again what was stopped. */
+  async start(keep: boolean, show = true): Promise<void> {
     const { json } = await this.engine.start(keep);
     this.kept.value = json.kept === true;
     await this.refresh();
-    if (Number(json.played) > 0) {
+    if (show && Number(json.played) > 0) {
       const surfaces = this.objects.value;
       const last = surfaces[surfaces.length - 1];
       if (last) this.selected.value = last.id;
@@ -310,7 +311,7 @@ export class Store {
       this.tell('warning', 'This browser keeps no journal, so that stopping would lose the project.', 'Wait for the end.');
       return;
     }
-    await this.start(true);
+    await this.start(true, false);
     this.tell('info', 'Stopped. The project is as it was before.');
   }
 

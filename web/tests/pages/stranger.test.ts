@@ -40,6 +40,19 @@ test('sample scan, stripes, a slider, a file, undo, and back after the window wa
   expect(errors).toEqual([]);
 });
 
+test('a step that takes too long is stopped, and nothing else is lost', async ({ page }) => {
+  await openSample(page);
+  const fine = await triangles(page);
+  await page.keyboard.press('Control+4');
+  await page.getByLabel('Do', { exact: true }).selectOption('remesh');
+  await page.getByRole('button', { name: 'New triangles' }).click();
+  await page.getByRole('button', { name: 'Stop', exact: true }).click();
+  await expect(page.getByText('Stopped.')).toBeVisible();
+  await expect.poll(() => page.evaluate(() => globalThis.batten?.store.objects.value.length)).toBe(3);
+  await page.getByRole('button', { name: 'sample surface', exact: false }).first().click();
+  await expect.poll(() => triangles(page)).toBe(fine);
+});
+
 test('a tour of five steps, once', async ({ page }) => {
   await openSample(page);
   const tour = page.getByRole('region', { name: /^Tour/ });
