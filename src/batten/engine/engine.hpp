@@ -10,7 +10,7 @@ namespace batten {
 
 /// The engine behind the studio: one project, requests as JSON messages, replies as JSON and arrays
 /// (docs/engine.md lists the messages). The page holds one in a worker, the server one per window; both are
-/// asked the same and give the same bits.
+/// asked the same.
 ///
 /// Not for several threads at once.
 class Engine {
