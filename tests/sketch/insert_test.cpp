@@ -70,24 +70,6 @@ TEST(InsertCurve, MetCurvesKeepTheirShapeAndHoldTheStroke) {
     EXPECT_LT(std::abs(vertex.position.z()), 1e-9);  // removed ones lie at the origin
 }
 
-// Seams are invisible to whoever draws: a stroke that ends beside one stays where it was drawn.
-TEST(InsertCurve, EndsNearASeamStayWhereTheyAre) {
-  PolylineMesh mesh = disc();
-  int seam = -1;
-  for (int v = 0; v < static_cast<int>(mesh.vertices().size()); ++v)
-    if (mesh.vertex(v).alive && mesh.vertex(v).is_seam) seam = v;
-  ASSERT_GE(seam, 0);
-  const Vector3d at = mesh.vertex(seam).position, beside = Eigen::AngleAxisd(0.03, kZ) * at;
-  InsertOptions options;
-  options.snap = 0.05;
-  const EditReport report = insert(mesh, {polygon({beside, -at}), false}, options);
-  double nearest = 1;
-  for (const int e : mesh.edges_of_curve(report.curves.front()))
-    for (const int v : mesh.edge(e).vertices)
-      nearest = std::min(nearest, (mesh.vertex(v).position - beside).norm());
-  EXPECT_LT(nearest, 1e-3);
-}
-
 TEST(InsertCurve, EndsNearAVertexSnapToIt) {
   PolylineMesh mesh;
   insert(mesh, {polygon({kO, kX, kX + kY, kY, kO}), true});

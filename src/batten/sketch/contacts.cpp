@@ -275,19 +275,14 @@ std::vector<StrokeContact> find_contacts(const PolylineMesh& mesh, const Stroke&
       nearest.push_back(*std::min_element(
           run.begin(), run.end(), [](const Hit& a, const Hit& b) { return a.distance < b.distance; }));
     }
-  // Vertices first, as edges that meet at a vertex are all met there; then what is nearest. Seams come among
-  // these: of the two edges that meet there, one ends at the seam wherever beside it the stroke meets the
-  // other.
+  // Vertices first, as edges that meet at a vertex are all met there; then what is nearest.
   std::vector<StrokeContact> found, contacts;
   for (const Hit& hit : nearest) {
     found.push_back(contact_of(mesh, hit, snap));
     found.back().arc = std::min(hit.arc, stroke.length);
   }
-  const auto is_met_first = [&](const StrokeContact& contact) {
-    return contact.vertex >= 0 && !mesh.vertex(contact.vertex).is_seam;
-  };
-  std::stable_sort(found.begin(), found.end(), [&](const StrokeContact& a, const StrokeContact& b) {
-    const bool a_has = is_met_first(a), b_has = is_met_first(b);
+  std::stable_sort(found.begin(), found.end(), [](const StrokeContact& a, const StrokeContact& b) {
+    const bool a_has = a.vertex >= 0, b_has = b.vertex >= 0;
     return a_has != b_has ? a_has : a.distance != b.distance ? a.distance < b.distance : a.arc < b.arc;
   });
   for (const StrokeContact& contact : found) add_contact(mesh, stroke, snap, contact, contacts);
