@@ -16,9 +16,6 @@ const LEAST_STEP = 1.5;
 export interface Stroke {
   /** In the coordinates of the model. */
   points: [number, number, number][];
-  /** On which curve it begins and ends, where it does. */
-  begins: string | null;
-  ends: string | null;
 }
 
 interface Sample {
@@ -108,7 +105,7 @@ export class Drawing {
   private inSpace(): Stroke {
     const { view, samples } = this;
     const [first, last] = [samples[0], samples[samples.length - 1]];
-    if (!first || !last) return { points: [], begins: null, ends: null };
+    if (!first || !last) return { points: [] };
     const from = view.nearestCurve(first.x, first.y, this.reach);
     const to = samples.length > 2 ? view.nearestCurve(last.x, last.y, this.reach) : null;
     let points: Vector3[];
@@ -121,7 +118,7 @@ export class Drawing {
     } else {
       points = this.onPlane(this.groundPlane());
     }
-    return { points: points.map((point) => view.toModel(point)), begins: from?.name ?? null, ends: to?.name ?? null };
+    return { points: points.map((point) => view.toModel(point)) };
   }
 
   /** Through two places, as square to the line of sight as it can be. */

@@ -39,7 +39,6 @@ uniform float stripes;
 uniform float low, high;
 uniform vec3 up;
 uniform sampler2D colours;
-uniform bool dim;
 varying vec3 vNormal;
 varying vec3 vViewer;
 varying float vValue;
@@ -130,7 +129,7 @@ void main() {
   } else {
     colour = matt(n, viewer, inside ? back : clay);
   }
-  gl_FragColor = vec4(srgb(dim ? mix(colour, vec3(0.9), 0.5) : colour), 1.0);
+  gl_FragColor = vec4(srgb(colour), 1.0);
 }`;
 
 /** A row of colours, linear, as a texture. */
@@ -164,7 +163,6 @@ export function surfaceMaterial(): ShaderMaterial {
       high: { value: 1 },
       up: { value: new Vector3(0, 1, 0) },
       colours: { value: null },
-      dim: { value: false },
     },
   });
 }

@@ -53,18 +53,9 @@ export interface Look {
   nodes: boolean;
 }
 
-/** A place to be pointed at on the view. */
-export interface Pin {
-  text: string;
-  at: Vector3;
-}
-
 export class View {
   readonly renderer: WebGLRenderer;
   readonly camera: ViewCamera;
-  /** How many pictures were asked for; drawing itself depends on the machine. */
-  framesRequested = 0;
-  framesDrawn = 0;
   private scene = new Scene();
   private shown = new Map<string, Shown>();
   private origin: [number, number, number] | null = null;
@@ -431,7 +422,6 @@ export class View {
   }
 
   private draw(): void {
-    ++this.framesRequested;
     if (this.asked) return;
     this.asked = true;
     requestAnimationFrame(() => {
@@ -447,7 +437,6 @@ export class View {
       if (uniform) uniform.value = up;
     }
     this.renderer.render(this.scene, this.camera.camera);
-    ++this.framesDrawn;
   }
 }
 
