@@ -17,6 +17,9 @@ using Curvature = Eigen::Matrix<double, NoisePrior::kFigures, NoisePrior::kFigur
 constexpr int kMostSteps = 30, kMostTrials = 8;
 /// A step changes no figure by more than this factor: the slopes say nothing about what lies further away.
 constexpr double kMostFactor = 30;
+/// What a search finds is rounded to this: half a percent of a figure or less, a hundredth of what the data
+/// tell.
+constexpr double kCoordinateGrid = 1.0 / 1024;
 /// Part of the promised decrease that a step must bring (Armijo).
 constexpr double kLeastDecrease = 1e-4;
 
@@ -118,7 +121,11 @@ NoiseSearch search_noise(JointModel& model, const NoiseModel& start, double tole
     }
     if (!moved) break;
   }
-  search.noise = prior.at(u);
+  // The search stops where the evidence is flat: the last digits of what it finds are rounding, which another
+  // machine's sine and logarithm change, and they would reach every position. Rounded, the same noise comes
+  // out everywhere.
+  const Coordinates rounded = (u.array() / kCoordinateGrid).round() * kCoordinateGrid;
+  search.noise = prior.at(clamped(rounded, prior));
   search.evidence = here.evidence;
   return search;
 }

@@ -17,9 +17,10 @@ struct LaidOut {
 };
 
 /// Plane coordinates are in units of the mean edge of the patch, which no motion of the network changes, and
-/// rounded to this grid, so that moved, scaled and renumbered input gives the very same points: ties of the
-/// Delaunay triangulation, frequent on symmetric networks, then break the same way.
-constexpr double kGrid = 0.7548776662466927e-7;
+/// rounded to this grid, so that moved, scaled and renumbered input, and that of a machine with another sine,
+/// gives the very same points: ties of the Delaunay triangulation, frequent on symmetric networks, then break
+/// the same way.
+constexpr double kGrid = 0.7548776662466927e-5;
 double on_grid(double x);
 
 /// Where a loop begins, from its shape alone, so that a rotated network is laid out alike: the vertex
