@@ -356,6 +356,7 @@ int run(int argc, char** argv) {
   add_reconstruct(app);
   add_subdivide(app);
   add_compare(app);
+  add_check(app);
   add_convert(app);
   add_render(app);
   add_info(app);

@@ -78,6 +78,7 @@ void add_pen(CLI::App& app);
 void add_sketch(CLI::App& app);
 void add_reconstruct(CLI::App& app);
 void add_compare(CLI::App& app);
+void add_check(CLI::App& app);
 void add_convert(CLI::App& app);
 void add_render(CLI::App& app);
 void add_subdivide(CLI::App& app);

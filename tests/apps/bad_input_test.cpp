@@ -170,6 +170,7 @@ TEST(BadInput, EveryCommandRefusesEmptyFilesFoldersGarbageAndNothing) {
       {"render", {"ply", "off", "obj"}},
       {"convert", {"ply", "stl", "net"}},
       {"compare", {"ply", "off", "net"}},
+      {"check", {"ply", "off", "net"}},
       {"fair", {"ply", "off", "stl", "obj"}},
       {"remesh", {"ply", "off", "stl", "obj"}},
       {"simplify --faces 10", {"ply", "off", "stl", "obj"}},
@@ -180,6 +181,7 @@ TEST(BadInput, EveryCommandRefusesEmptyFilesFoldersGarbageAndNothing) {
     if (command == "info") return "info " + input;
     if (command == "convert") return "convert " + input + " out.json";
     if (command == "compare") return "compare " + input + " " + input;
+    if (command == "check") return "check " + input + " --network " + input;
     const std::string output = command == "render"                              ? "out.png"
                                : command == "simulate"                          ? "out.rawnet"
                                : command == "orient"                            ? "out.csv"
@@ -313,6 +315,8 @@ TEST(BadUsage, EndsWithTwoAndSaysWhatIsWrong) {
                             "simulate sphere -o out.rawnet --orientation-noise 2mm",
                             "simulate sphere -o out.rawnet --step 0",
                             "compare a.ply",
+                            "check a.ply",
+                            "check a.ply --network n.net --continuity g3",
                             "info",
                             "convert a.ply",
                             "calibrate good.csv",

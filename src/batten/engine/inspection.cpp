@@ -9,7 +9,7 @@
 #include "batten/engine/inspection_detail.hpp"
 #include "batten/engine/shown_object_detail.hpp"
 #include "batten/mesh/shape.hpp"
-#include "batten/operators/curve_continuity.hpp"
+#include "batten/pipeline/checked_curves.hpp"
 #include "batten/render/render.hpp"
 
 namespace batten::detail {
@@ -40,40 +40,23 @@ void add_values(Draft& draft, const TriangleMesh& mesh, const std::string& shadi
 
 void add_continuity(Draft& draft, const TriangleMesh& mesh, const CurveNetwork& network, double tolerance,
                     const Eigen::RowVector3d& origin, const Progress& progress) {
-  if (!(tolerance > 0) || !std::isfinite(tolerance))
-    throw InvalidInput(concat("the tolerance must be an angle above 0, got ", tolerance));
-  std::vector<Points> curves;
-  for (const NetworkCurve& curve : network.curves) {
-    Points points(static_cast<Eigen::Index>(curve.vertices.size()), 3);
-    for (Eigen::Index i = 0; i < points.rows(); ++i)
-      points.row(i) = network.positions.row(curve.vertices[at(i)]);
-    curves.push_back(std::move(points));
-  }
-  const std::vector<std::vector<ContinuitySample>> samples =
-      curve_continuity(mesh.positions, mesh.triangles, curves, {}, progress);
+  CurveCheckOptions options;
+  options.tolerance = tolerance;
+  const CurveCheck check = check_curves(mesh, network, options, progress);
   Json list = Json::array();
-  int n_failed = 0, n_checked = 0;
-  for (std::size_t c = 0; c < samples.size(); ++c) {
-    const CurveContinuity figures = continuity_figures(samples[c]);
-    const NetworkCurve& curve = network.curves[c];
-    const bool is_checked = figures.n_samples > 0 && !curve.sharp && !curve.boundary;
-    const bool passes = figures.max_normal_jump <= tolerance;
-    n_checked += is_checked ? 1 : 0;
-    n_failed += is_checked && !passes ? 1 : 0;
-    list.push_back({{"name", curve_name(network, static_cast<int>(c))},
-                    {"verdict", !is_checked ? (figures.n_samples == 0 ? "border" : "sharp")
-                                : passes    ? "pass"
-                                            : "fail"},
-                    {"gap", json_of(figures.max_gap)},
-                    {"normal_jump", json_of(figures.max_normal_jump)},
-                    {"mean_normal_jump", json_of(figures.mean_normal_jump)},
-                    {"curvature_jump", json_of(figures.max_curvature_jump)},
-                    {"distance", json_of(figures.max_distance)},
-                    {"worst", json_of(Eigen::RowVector3d(figures.worst.transpose() - origin))}});
-  }
+  for (const CheckedCurve& curve : check.curves)
+    list.push_back({{"name", curve.name},
+                    {"verdict", word_of(curve.verdict)},
+                    {"reasons", curve.reasons},
+                    {"gap", json_of(curve.figures.max_gap)},
+                    {"normal_jump", json_of(curve.figures.max_normal_jump)},
+                    {"mean_normal_jump", json_of(curve.figures.mean_normal_jump)},
+                    {"curvature_jump", json_of(curve.figures.max_curvature_jump)},
+                    {"distance", json_of(curve.figures.max_distance)},
+                    {"worst", json_of(Eigen::RowVector3d(curve.worst.transpose() - origin))}});
   draft.json["curves"] = std::move(list);
-  draft.json["n_checked"] = n_checked;
-  draft.json["n_failed"] = n_failed;
+  draft.json["n_checked"] = check.n_checked;
+  draft.json["n_failed"] = check.n_failed;
 }
 
 void add_distances(Draft& draft, const TriangleMesh& mesh, const TriangleMesh& truth,

@@ -129,6 +129,7 @@ class Measurement {
     sample.normal_jump =
         std::atan2(sides[0].normal.cross(sides[1].normal).norm(), sides[0].normal.dot(sides[1].normal));
     sample.curvature_jump = std::abs(sides[0].curvature - sides[1].curvature);
+    sample.curvature = std::max(std::abs(sides[0].curvature), std::abs(sides[1].curvature));
   }
 
  private:

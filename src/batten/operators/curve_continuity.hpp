@@ -39,6 +39,7 @@ struct ContinuitySample {
   /// Angle between their normals, 0 … π (G1): 0 where the surface is smooth, π/2 at the edge of a cube.
   double normal_jump = 0;
   double curvature_jump = 0;  ///< |κ_left − κ_right| of the normal curvatures across the curve (G2)
+  double curvature = 0;       ///< the larger of |κ_left| and |κ_right|
 };
 
 /// The samples of a curve in figures, 0 where nothing was measured.
