@@ -202,6 +202,27 @@ TEST(Engine, StopsWhereProgressSaysSo) {
   EXPECT_TRUE(ask(engine, {{"op", "show"}, {"object", "o3"}}).ok());
 }
 
+TEST(Engine, PlaysARecordedSessionAndSaysWhatItRefused) {
+  const std::string session =
+      R"({"batten_session":1,"unit":"mm"}
+{"op":"insert","points":[[0,0,0],[1,0,0],[2,0,0]]}
+{"op":"delete","curve":"c7"}
+)";
+  Engine engine;
+  const Answer opened = ask(engine, {{"op", "open"}, {"name", "strokes.jsonl"}}, session);
+  ASSERT_TRUE(opened.ok()) << opened.json;
+  EXPECT_EQ(opened.json["replaced"], true);
+  ASSERT_EQ(opened.json["warnings"].size(), 1U) << opened.json;
+  EXPECT_EQ(opened.json["warnings"][0].get<std::string>().rfind("line 3 refused: ", 0), 0U) << opened.json;
+  const Json document = ask(engine, {{"op", "document"}}).json;
+  ASSERT_EQ(document["objects"].size(), 1U);
+  EXPECT_EQ(document["objects"][0]["kind"], "model");
+  EXPECT_EQ(document["objects"][0]["unit"], "mm");
+  // What is no session says so, and takes nothing away.
+  EXPECT_FALSE(ask(engine, {{"op", "open"}, {"name", "other.jsonl"}}, "nonsense").ok());
+  EXPECT_EQ(ask(engine, {{"op", "document"}}).json["objects"].size(), 1U);
+}
+
 TEST(Engine, KeepsAProjectThroughItsFile) {
   Engine engine;
   add_surface(engine);

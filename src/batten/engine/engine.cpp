@@ -18,6 +18,8 @@
 #include "batten/render/colour.hpp"
 #include "batten/session/document.hpp"
 #include "batten/session/edit_json.hpp"
+#include "batten/session/journal.hpp"
+#include "batten/session/playing.hpp"
 #include "batten/session/project.hpp"
 #include "batten/session/results.hpp"
 #include "batten/sketch/stroke.hpp"
@@ -114,7 +116,8 @@ struct Engine::State {
   }
 
   // The messages, each with its name.
-  void open(Draft& draft, const Json& message, std::string_view bytes);
+  void open(Draft& draft, const Json& message, std::string_view bytes, const Progress& progress);
+  void play(Draft& draft, const std::string& name, std::string_view bytes, const Progress& progress);
   void edit(Draft& draft, const Json& message);
   void describe(Draft& draft) const;
   void show(Draft& draft, const Json& message, const Progress& progress);
@@ -128,7 +131,26 @@ struct Engine::State {
   void carry_out(Draft& draft, std::string_view text, std::string_view bytes, const Progress& progress);
 };
 
-void Engine::State::open(Draft& draft, const Json& message, std::string_view bytes) {
+/// A recorded session as the project that it makes; edits that are refused are warnings, as in `batten
+/// sketch`.
+void Engine::State::play(Draft& draft, const std::string& name, std::string_view bytes,
+                         const Progress& progress) {
+  const Session session = parse_session(std::string(bytes), name);
+  Document played;
+  Json warnings = Json::array();
+  for (const PlayedEdit& edit : play_session(session, played, progress))
+    if (!edit.done)
+      warnings.push_back(
+          concat("line ", session.edits[edit.index].line, " refused: ", edit.reason, "; ", edit.remedy));
+  if (session.torn) warnings.push_back(session.warning(name));
+  document = std::move(played);
+  results = {};
+  draft.json["warnings"] = std::move(warnings);
+  draft.json["replaced"] = true;
+}
+
+void Engine::State::open(Draft& draft, const Json& message, std::string_view bytes,
+                         const Progress& progress) {
   const std::string name = text_of(message, "name");
   if (bytes.substr(0, 2) == "PK" && name.ends_with(".batten")) {
     ProjectFile file = parse_project(std::string(bytes), name);
@@ -138,6 +160,7 @@ void Engine::State::open(Draft& draft, const Json& message, std::string_view byt
     draft.json["replaced"] = true;
     return;
   }
+  if (name.ends_with(".jsonl")) return play(draft, name, bytes, progress);
   OpenedFile file = open_file(std::string(bytes), name);
   draft.json["warnings"] = file.warnings;
   apply(draft, AddEdit{{}, free_name(document, file.name), file.unit, std::move(file.content)});
@@ -334,7 +357,7 @@ void Engine::State::carry_out(Draft& draft, std::string_view text, std::string_v
   using Handler = void (*)(State&, Draft&, const Json&, std::string_view, const Progress&);
   static const std::map<std::string, Handler> handlers = {
       {"open",
-       [](State& s, Draft& d, const Json& m, std::string_view b, const Progress&) { s.open(d, m, b); }},
+       [](State& s, Draft& d, const Json& m, std::string_view b, const Progress& p) { s.open(d, m, b, p); }},
       {"edit", [](State& s, Draft& d, const Json& m, std::string_view, const Progress&) { s.edit(d, m); }},
       {"document", [](State& s, Draft& d, const Json&, std::string_view, const Progress&) { s.describe(d); }},
       {"show",

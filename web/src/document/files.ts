@@ -37,4 +37,4 @@ export function fileName(name: string, extension: string): string {
 }
 
 export const ACCEPTED =
-  '.rawnet,.csv,.txt,.net,.json,.lop,.obj,.ply,.off,.stl,.glb,.gltf,.3mf,.batten,.gz';
+  '.rawnet,.csv,.txt,.net,.json,.lop,.obj,.ply,.off,.stl,.glb,.gltf,.3mf,.batten,.jsonl,.gz';

@@ -1,5 +1,5 @@
 /** The engine in node, held against what the native program gave for the same files. */
-import { readFileSync } from 'node:fs';
+import { readdirSync, readFileSync } from 'node:fs';
 import load, { type NativeEngine } from 'batten-engine';
 import { beforeAll, describe, expect, it } from 'vitest';
 
@@ -63,31 +63,45 @@ describe('the engine', () => {
     engine.delete();
   }, 120_000);
 
-  const native = process.env.BATTEN_NATIVE_SURFACE;
-  it.skipIf(!native)('gives the network of the native program to 1e-9 of the size, and its surface', () => {
+  const native = process.env.BATTEN_NATIVE_SURFACES;
+  const program = (name: string) => plyVertices(new Uint8Array(readFileSync(`${native}/${name}.ply`)));
+
+  /** The largest difference of coordinates as a share of the largest coordinate. */
+  function difference(a: Float64Array, b: Float64Array): number {
+    expect(a.length).toBe(b.length);
+    let largest = 0;
+    let size = 0;
+    for (let i = 0; i < a.length; ++i) {
+      largest = Math.max(largest, Math.abs((a[i] ?? 0) - (b[i] ?? Number.NaN)));
+      size = Math.max(size, Math.abs(a[i] ?? 0));
+    }
+    return largest / size;
+  }
+
+  function expectTheSurface(engine: NativeEngine, object: string, name: string): void {
+    const page = plyVertices(ask(engine, { op: 'save', object, format: 'ply' }).arrays.file as Uint8Array);
+    const expected = program(name);
+    expect(page.n).toBeGreaterThan(1000);
+    expect(page.m).toBe(expected.m);
+    expect(difference(expected.positions, page.positions)).toBeLessThan(1e-9);
+  }
+
+  it.skipIf(!native)('gives the surface of the native program for the sample scan, to 1e-9 of the size', () => {
     const engine = makeEngine();
     ask(engine, { op: 'open', name: 'sample.rawnet' }, file('data/sample.rawnet'));
     ask(engine, derive('o1', 'network'));
     ask(engine, derive('o2', 'surface'));
-    const page = plyVertices(ask(engine, { op: 'save', object: 'o3', format: 'ply' }).arrays.file as Uint8Array);
-    const bytes = new Uint8Array(readFileSync(native ?? ''));
-    const program = plyVertices(bytes);
-    // The vertices of the curves come first.
-    const onCurves = (ask(engine, { op: 'show', object: 'o2' }).arrays['network.positions']?.length ?? 0) / 3;
-    expect(onCurves).toBeGreaterThan(1000);
-    let largest = 0;
-    let size = 0;
-    for (let i = 0; i < 3 * onCurves; ++i) {
-      largest = Math.max(largest, Math.abs((program.positions[i] ?? 0) - (page.positions[i] ?? Number.NaN)));
-      size = Math.max(size, Math.abs(program.positions[i] ?? 0));
-    }
-    expect(largest / size).toBeLessThan(1e-9);
-    // Inside patches triangles may lie otherwise: the last digit of a sine decides where a vertex goes. The surface is one.
-    expect(Math.abs(page.m / program.m - 1)).toBeLessThan(0.01);
-    expect(ask(engine, { op: 'open', name: 'native.ply' }, bytes).json.object).toBe('o4');
-    const { max, rms } = ask(engine, { op: 'distances', object: 'o3', truth: 'o4' }).json;
-    expect(max / size).toBeLessThan(5e-4);
-    expect(rms / size).toBeLessThan(5e-5);
+    expectTheSurface(engine, 'o3', 'sample');
+    engine.delete();
+  }, 120_000);
+
+  const sessions = readdirSync(new URL('examples/sessions', root)).filter((name) => name.endsWith('.jsonl'));
+  it.skipIf(!native).each(sessions)('gives the surface of the native program for the session %s, to 1e-9 of the size', (name) => {
+    const engine = makeEngine();
+    expect(ask(engine, { op: 'open', name }, file(`examples/sessions/${name}`)).json).toMatchObject({ ok: true, replaced: true });
+    const model = ask(engine, { op: 'document' }).json.objects.find((one: { kind: string }) => one.kind === 'model').id;
+    const surface = ask(engine, derive(model, 'model-surface')).json.object;
+    expectTheSurface(engine, surface, name.replace('.jsonl', ''));
     engine.delete();
   }, 120_000);
 
