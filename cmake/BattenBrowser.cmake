@@ -46,4 +46,9 @@ file(GLOB subdiv_sources ${subdiv}/opensubdiv/sdc/*.cpp ${subdiv}/opensubdiv/vtr
 add_library(opensubdiv STATIC EXCLUDE_FROM_ALL ${subdiv_sources})
 target_include_directories(opensubdiv SYSTEM PUBLIC ${subdiv})
 target_compile_options(opensubdiv PRIVATE -w)
+# In batches, for half the time; four sources have names in common with others.
+set_source_files_properties(${subdiv}/opensubdiv/far/catmarkPatchBuilder.cpp ${subdiv}/opensubdiv/far/loopPatchBuilder.cpp
+                            ${subdiv}/opensubdiv/vtr/quadRefinement.cpp ${subdiv}/opensubdiv/vtr/triRefinement.cpp
+                            PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+set_target_properties(opensubdiv PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 9)
 add_library(OpenSubdiv::CPU ALIAS opensubdiv)

@@ -24,8 +24,8 @@ set(BATTEN_COMMON_HEADERS <Eigen/Dense> <Eigen/Sparse> <algorithm> <array> <cmat
                           <numeric> <optional> <string> <string_view> <utility> <vector>)
 
 # Sources of a target that are compiled as one: templates of Eigen, CLI11 and nlohmann that several of them use are compiled
-# once (six seconds in every command). What stands in their unnamed namespaces has to have names of its own. Builds without
-# batches (with a compiler cache, for the browser) see to it that every source includes what it uses.
+# once (six seconds in every command; a fifth to a third of a room). What stands in their unnamed namespaces has to have
+# names of its own. Builds without batches (with a compiler cache) see to it that every source includes what it uses.
 #
 #   batten_compile_together(<target> [BATCH <n>])
 #

@@ -1,14 +1,14 @@
 # A room of the library: one folder of src/batten, one static library batten_<room> (alias batten::<room>).
 #
 #   batten_room(NAME mesh PURPOSE "..." USES core linalg SOURCES a.cpp b.cpp [PRIVATE targets...]
-#               [LIGHT] [TOGETHER])
+#               [LIGHT] [TOGETHER | BATCH n])
 #
-# TOGETHER: the sources are compiled as one where that saves work (batten_compile_together).
+# TOGETHER, BATCH: the sources are compiled as one, or n at a time, where that saves work (batten_compile_together).
 # LIGHT says that the room leaves the numbers to others: it is compiled quickly.
 # USES lists the rooms whose headers may be included. The includes of every file in the folder are held
 # against it here, at configure time, so that the order of the rooms (README, "The house") cannot decay.
 function(batten_room)
-  cmake_parse_arguments(ROOM "LIGHT;TOGETHER" "NAME;PURPOSE" "USES;SOURCES;PRIVATE;DEFINITIONS" ${ARGN})
+  cmake_parse_arguments(ROOM "LIGHT;TOGETHER" "NAME;PURPOSE;BATCH" "USES;SOURCES;PRIVATE;DEFINITIONS" ${ARGN})
   set(target batten_${ROOM_NAME})
   add_library(${target} STATIC ${ROOM_SOURCES})
   add_library(batten::${ROOM_NAME} ALIAS ${target})
@@ -28,6 +28,8 @@ function(batten_room)
   endif()
   if(ROOM_TOGETHER)
     batten_compile_together(${target})
+  elseif(ROOM_BATCH)
+    batten_compile_together(${target} BATCH ${ROOM_BATCH})
   endif()
   foreach(used IN LISTS ROOM_USES)
     target_link_libraries(${target} PUBLIC batten_${used})

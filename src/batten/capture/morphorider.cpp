@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "batten/capture/packet_limits_detail.hpp"
 #include "batten/core/statistics.hpp"
 
 namespace batten {
@@ -10,9 +11,7 @@ namespace batten {
 namespace {
 
 constexpr double kFullScale = 32767;
-// Limits of the causal checks; their source is the header of PacketGate.
-constexpr int kLargestIndexStep = 20;
-constexpr int kLargestTicksPerPacket = 60;
+using detail::kLargestIndexStep, detail::kLargestTicksPerPacket;
 constexpr double kLengthTolerance = 0.2;
 constexpr double kChangeTolerance = 0.3;
 // How far the best form must be ahead of the second for a decision, in points of 4.
@@ -68,7 +67,9 @@ double score(const std::vector<MorphoriderPacket>& packets) {
     if (i == 0) continue;
     const MorphoriderPacket& q = packets[i - 1];
     const int step = index_step(q.index, p.index);
-    if (step >= 1 && step <= kLargestIndexStep && std::abs(p.ticks() - q.ticks()) <= 60 * step) ++steps;
+    if (step >= 1 && step <= kLargestIndexStep &&
+        std::abs(p.ticks() - q.ticks()) <= kLargestTicksPerPacket * step)
+      ++steps;
     if ((p.accelerometer - q.accelerometer).norm() < kChangeTolerance * acc_length) continuity += 0.5;
     if ((p.magnetometer - q.magnetometer).norm() < kChangeTolerance * mag_length) continuity += 0.5;
   }

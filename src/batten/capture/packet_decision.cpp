@@ -5,6 +5,7 @@
 #include <unordered_map>
 
 #include "batten/capture/morphorider.hpp"
+#include "batten/capture/packet_limits_detail.hpp"
 #include "batten/core/statistics.hpp"
 
 namespace batten {
@@ -22,8 +23,7 @@ constexpr double kSmallestVectorTolerance = 2e-3;
 constexpr double kDeviations = 4.5;
 // Deviations are measured over blocks of this many packets and both neighbouring ones.
 constexpr std::size_t kBlock = 32;
-constexpr int kLargestIndexStep = 20;
-constexpr int kLargestTicksPerPacket = 60;
+using detail::kLargestIndexStep, detail::kLargestTicksPerPacket;
 // A hand is never faster on an object: ticks per second of a wheel of some centimetres.
 constexpr double kLargestTicksPerSecond = 6000;
 constexpr int kMostPasses = 30;

@@ -21,20 +21,21 @@ constexpr int kLinearisations = 2;
 
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, kStates, Eigen::RowMajor, 2 * kPenLeds + 1, kStates>;
 using Column = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 2 * kPenLeds + 1, 1>;
-using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 2 * kPenLeds + 1, 2 * kPenLeds + 1>;
+using RigSquare =
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 2 * kPenLeds + 1, 2 * kPenLeds + 1>;
 
 /// Measurements stacked: two rows for every blob and, last, the length of the pen.
 struct Stacked {
   Rows jacobian;
   Column given, predicted;
-  Square noise;
+  RigSquare noise;
   bool valid = true;
 };
 
 Stacked stack(const StereoRig& rig, const Pen& pen, const State& mean, std::span<const LedImage> images,
               const FilterNoise& noise, bool with_length) {
   const auto n = static_cast<Eigen::Index>(2 * images.size()) + (with_length ? 1 : 0);
-  Stacked all{Rows::Zero(n, kStates), Column::Zero(n), Column::Zero(n), Square::Zero(n, n)};
+  Stacked all{Rows::Zero(n, kStates), Column::Zero(n), Column::Zero(n), RigSquare::Zero(n, n)};
   Eigen::Index row = 0;
   for (const LedImage& image : images) {
     const auto led = predict_led(rig, image.camera, pen, mean, image.led);
@@ -176,8 +177,8 @@ UpdateReport update(const StereoRig& rig, const Pen& pen, std::span<const LedIma
     }
     const Eigen::Matrix<double, kStates, Eigen::Dynamic, 0, kStates, 2 * kPenLeds + 1> PHt =
         prior.covariance * all.jacobian.transpose();
-    const Square S = all.jacobian * PHt + all.noise;
-    const Eigen::LLT<Square> factor(S);
+    const RigSquare S = all.jacobian * PHt + all.noise;
+    const Eigen::LLT<RigSquare> factor(S);
     // Linearised where the estimate is now, applied to where the prediction was.
     const Column off = all.given - all.predicted - all.jacobian * (prior.mean - belief.mean);
     belief.mean = prior.mean + PHt * factor.solve(off);
@@ -191,10 +192,10 @@ UpdateReport update(const StereoRig& rig, const Pen& pen, std::span<const LedIma
   }
   const Stacked all = stack(rig, pen, belief.mean, images, noise, false);
   if (!all.valid || images.empty()) return report;
-  const Eigen::LLT<Square> weight(all.noise);
+  const Eigen::LLT<RigSquare> weight(all.noise);
   const Column rest = all.given - all.predicted;
   report.residual = rest.dot(weight.solve(rest));
-  const Square taken = all.jacobian * belief.covariance * all.jacobian.transpose();
+  const RigSquare taken = all.jacobian * belief.covariance * all.jacobian.transpose();
   report.expected_residual = report.n_numbers - weight.solve(taken).trace();
   return report;
 }

@@ -21,7 +21,7 @@ constexpr double kDistanceGate = 6;     // of the distance of two LEDs
 constexpr double kCountGate = 8;        // of a blob from the image of an LED, before adjustment
 constexpr double kAdjustedGate = 5;     // the same after it
 constexpr std::size_t kAdjusted = 8;    // poses
-constexpr double kPerBlob = 9;          // of the score
+constexpr double kPerFoundBlob = 9;     // of the score
 constexpr double kMargin = 6;           // of the score, between a pose and another one
 constexpr double kElsewhere = 0.02;     // metres: another pose
 constexpr double kDirectionGate = 0.5;  // cosine of 60°
@@ -196,7 +196,7 @@ class Search {
       estimate = fit_pose(rig_, pen_, images_of(hypothesis), hypothesis.pose);
       if (!estimate) continue;
       if (options_.direction && estimate->pose.direction.dot(*options_.direction) < kDirectionGate) continue;
-      found_.push_back({hypothesis, *estimate, kPerBlob * hypothesis.count - estimate->chi_square});
+      found_.push_back({hypothesis, *estimate, kPerFoundBlob * hypothesis.count - estimate->chi_square});
     }
     std::stable_sort(found_.begin(), found_.end(),
                      [](const Adjusted& a, const Adjusted& b) { return a.score > b.score; });

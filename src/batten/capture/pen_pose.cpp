@@ -12,8 +12,8 @@ namespace batten {
 
 namespace {
 
-constexpr int kSteps = 12;
-constexpr double kConverged = 1e-3;  // of a standard deviation
+constexpr int kPoseSteps = 12;
+constexpr double kPoseConverged = 1e-3;  // of a standard deviation
 
 using Step = Eigen::Matrix<double, 5, 1>;
 
@@ -79,7 +79,7 @@ std::optional<PoseEstimate> fit_pose(const StereoRig& rig, const Pen& pen, std::
   NormalEquations normal = assemble(rig, pen, pose, images);
   if (!normal.in_front) return {};
   double damping = 0;
-  for (int step = 0; step < kSteps; ++step) {
+  for (int step = 0; step < kPoseSteps; ++step) {
     PenInformation damped = normal.information;
     damped.diagonal() *= 1 + damping;
     const Eigen::LDLT<PenInformation> factor(damped);
@@ -96,7 +96,7 @@ std::optional<PoseEstimate> fit_pose(const StereoRig& rig, const Pen& pen, std::
     pose = next;
     normal = tried;
     damping = damping > 1e-6 ? damping / 8 : 0;
-    if (gain < kConverged * kConverged && damping == 0) break;
+    if (gain < kPoseConverged * kPoseConverged && damping == 0) break;
   }
   const Eigen::SelfAdjointEigenSolver<PenInformation> eigen(normal.information, Eigen::EigenvaluesOnly);
   if (!(eigen.eigenvalues()[0] > 1e-9 * eigen.eigenvalues()[4])) return {};

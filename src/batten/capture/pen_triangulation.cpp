@@ -10,16 +10,16 @@ namespace batten {
 
 namespace {
 
-constexpr double kHandSpeed = 0.2;   // m/s, for blobs of frames of different times
-constexpr double kRigError = 0.3;    // pixels, that a rig may be off by
-constexpr double kRemembered = 1.0;  // seconds, for which the last direction helps
+constexpr double kHandSpeedBetweenFrames = 0.2;  // m/s, for blobs of frames of different times
+constexpr double kRigError = 0.3;                // pixels, that a rig may be off by
+constexpr double kDirectionRemembered = 1.0;     // seconds, for which the last direction helps
 
 /// The pose of one pair of frames, and which blobs it is made of.
 bool pose_of_frames(const BlobFrame& left, const BlobFrame& right, const StereoRig& rig, const Pen& pen,
                     Triangulation method, const std::optional<Eigen::Vector3d>& direction,
                     PenSample& sample) {
   IdentificationOptions search;
-  search.motion = kHandSpeed * std::abs(left.time - right.time);
+  search.motion = kHandSpeedBetweenFrames * std::abs(left.time - right.time);
   search.rig_error = kRigError;
   search.direction = direction;
   const Identification found = identify(rig, pen, left.blobs, right.blobs, search);
@@ -105,7 +105,7 @@ PenTrack track_pen_by_triangulation(const BlobRecording& recording, const Stereo
     sample.time = frame.time;
     sample.covariance = sample.smoothed_covariance = PenInformation::Zero();
     sample.reason = "no frame of the right camera yet";
-    if (frame.time - direction_time > kRemembered) direction.reset();
+    if (frame.time - direction_time > kDirectionRemembered) direction.reset();
     if (right && pose_of_frames(frame, *right, rig, pen, options.triangulation, direction, sample)) {
       sample.state = PenState::Tracked;
       sample.reason.clear();

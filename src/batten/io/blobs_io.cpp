@@ -16,8 +16,8 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr const char* kFormat = "batten blobs";
-constexpr int kVersion = 1;
+constexpr const char* kBlobsFormat = "batten blobs";
+constexpr int kBlobsVersion = 1;
 constexpr double kMostPixels = 1e6;
 
 /// Takes lines into a recording; every error names the line.
@@ -78,14 +78,14 @@ class BlobReader {
   }
 
   void take_header(const Json& object) {
-    if (!object.contains("format") || object.at("format") != kFormat)
-      lines_.fail(
-          concat("the first line is {\"format\":\"", kFormat, "\",\"version\":1}; this is another file"));
+    if (!object.contains("format") || object.at("format") != kBlobsFormat)
+      lines_.fail(concat("the first line is {\"format\":\"", kBlobsFormat,
+                         "\",\"version\":1}; this is another file"));
     const double version = number(object, "version");
-    if (version > kVersion)
-      lines_.fail(concat("the file has version ", version, ", this program reads up to ", kVersion,
+    if (version > kBlobsVersion)
+      lines_.fail(concat("the file has version ", version, ", this program reads up to ", kBlobsVersion,
                          "; take a newer batten"));
-    if (version != kVersion) lines_.fail("version must be 1");
+    if (version != kBlobsVersion) lines_.fail("version must be 1");
     recording_.width = size(object, "width");
     recording_.height = size(object, "height");
     has_header_ = true;
@@ -186,7 +186,7 @@ BlobRecording parse_blobs(std::string text, const std::string& name, std::vector
 }
 
 std::string format_blobs(const BlobRecording& recording) {
-  std::string text = concat("{\"format\":\"", kFormat, "\",\"version\":", kVersion);
+  std::string text = concat("{\"format\":\"", kBlobsFormat, "\",\"version\":", kBlobsVersion);
   if (recording.width > 0) text += concat(",\"width\":", recording.width, ",\"height\":", recording.height);
   text += "}\n";
   for (const BlobFrame& frame : recording.frames) {

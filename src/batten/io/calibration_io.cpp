@@ -12,11 +12,11 @@ namespace batten {
 namespace {
 
 using detail::JsonReader;
-using Json = JsonReader::Json;
+using OrderedJson = JsonReader::Json;
 
-constexpr const char* kFormat = "batten calibration";
+constexpr const char* kCalibrationFormat = "batten calibration";
 
-Json sensor_json(const SensorCalibration& sensor, const EllipsoidFitReport& report, const char* unit) {
+OrderedJson sensor_json(const SensorCalibration& sensor, const EllipsoidFitReport& report, const char* unit) {
   return {{"unit", unit},
           {"offset", JsonReader::list(sensor.offset)},
           {"matrix", JsonReader::list(sensor.matrix)},
@@ -27,8 +27,9 @@ Json sensor_json(const SensorCalibration& sensor, const EllipsoidFitReport& repo
           {"outliers", report.outliers}};
 }
 
-SensorCalibration read_sensor(const JsonReader& reader, const Json& document, const std::string& name) {
-  const Json& object = reader.member(document, name, "");
+SensorCalibration read_sensor(const JsonReader& reader, const OrderedJson& document,
+                              const std::string& name) {
+  const OrderedJson& object = reader.member(document, name, "");
   SensorCalibration sensor;
   sensor.offset = reader.vector(reader.member(object, "offset", name + "."), name + ".offset");
   sensor.matrix = reader.matrix(reader.member(object, "matrix", name + "."), name + ".matrix");
@@ -45,22 +46,22 @@ Calibration read_calibration(const std::string& path) {
 
 Calibration parse_calibration(const std::string& text, const std::string& name) {
   const JsonReader reader(name, "write the file with batten calibrate");
-  const Json document = reader.parse(text);
-  if (!document.is_object() || document.value("format", Json()) != kFormat)
+  const OrderedJson document = reader.parse(text);
+  if (!document.is_object() || document.value("format", OrderedJson()) != kCalibrationFormat)
     reader.fail(
         "is no calibration: expected \"format\": \"batten calibration\"; write it with batten calibrate");
   Calibration calibration;
   calibration.accelerometer = read_sensor(reader, document, "accelerometer");
   calibration.magnetometer = read_sensor(reader, document, "magnetometer");
-  const Json& gyroscope = reader.member(document, "gyroscope", "");
+  const OrderedJson& gyroscope = reader.member(document, "gyroscope", "");
   calibration.gyroscope_bias =
       reader.vector(reader.member(gyroscope, "bias", "gyroscope."), "gyroscope.bias");
   return calibration;
 }
 
 void write_calibration(const DeviceCalibration& device, const std::string& path) {
-  Json document = {
-      {"format", kFormat},
+  OrderedJson document = {
+      {"format", kCalibrationFormat},
       {"version", 1},
       {"meaning", "calibrated = matrix * (raw - offset), in the unit of the sensor, device axes"}};
   document["accelerometer"] = sensor_json(device.calibration.accelerometer, device.accelerometer, "m/s^2");

@@ -11,12 +11,12 @@ namespace batten::detail {
 
 namespace {
 
-constexpr long kMost = std::numeric_limits<int>::max() / 3;
+constexpr long kMostObjElements = std::numeric_limits<int>::max() / 3;
 
 /// An index as OBJ writes it: from 1, or negative to count back from the last one so far. May point ahead;
 /// the end of the file checks that.
 long resolved(long index, size_t so_far, const LineReader& reader, std::string_view what) {
-  if (index > 0 && index <= kMost) return index - 1;
+  if (index > 0 && index <= kMostObjElements) return index - 1;
   if (index < 0 && static_cast<size_t>(-index) <= so_far) return static_cast<long>(so_far) + index;
   reader.fail(
       concat(what, " ", index, " is out of range; ", so_far, " are given so far and counting begins at 1"));
@@ -137,7 +137,8 @@ class ObjParser {
   }
 
   void read_point(Tokens& tokens, std::vector<double>& values, std::string_view what) {
-    if (values.size() / 3 >= static_cast<size_t>(kMost)) reader_.fail("too many vertices for this program");
+    if (values.size() / 3 >= static_cast<size_t>(kMostObjElements))
+      reader_.fail("too many vertices for this program");
     for (int k = 0; k < 3; ++k) values.push_back(read_finite(tokens, reader_, what));
   }
 
@@ -220,7 +221,7 @@ class ObjParser {
       ++n_corners;
     }
     if (n_corners == 0) reader_.fail("a face without corners");
-    if (obj_.face_vertices.size() > static_cast<size_t>(kMost))
+    if (obj_.face_vertices.size() > static_cast<size_t>(kMostObjElements))
       reader_.fail("too many faces for this program");
     obj_.face_offsets.push_back(static_cast<int>(obj_.face_vertices.size()));
     add_label(obj_.objects, object_, object_number_);

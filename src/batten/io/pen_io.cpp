@@ -8,12 +8,13 @@ namespace batten {
 namespace {
 
 using detail::JsonReader;
-using Json = JsonReader::Json;
+using OrderedJson = JsonReader::Json;
 
-constexpr const char* kFormat = "batten pen";
-constexpr int kVersion = 1;
+constexpr const char* kPenFormat = "batten pen";
+constexpr int kPenVersion = 1;
 
-std::array<double, kPenLeds> leds_of(const JsonReader& reader, const Json& list, const std::string& where) {
+std::array<double, kPenLeds> leds_of(const JsonReader& reader, const OrderedJson& list,
+                                     const std::string& where) {
   std::array<double, kPenLeds> leds{};
   if (!list.is_array() || list.size() != leds.size())
     reader.fail(concat(where, " must be a list of 4 numbers"));
@@ -33,11 +34,11 @@ CalibratedPen read_pen(const std::string& path) {
 
 CalibratedPen parse_pen(const std::string& text, const std::string& name) {
   const JsonReader reader(name, "write the file with batten pen calibrate");
-  const Json document = reader.parse(text);
-  if (!document.is_object() || document.value("format", Json()) != kFormat)
+  const OrderedJson document = reader.parse(text);
+  if (!document.is_object() || document.value("format", OrderedJson()) != kPenFormat)
     reader.fail("is no pen: expected \"format\": \"batten pen\"; write it with batten pen calibrate");
-  if (const int version = reader.count(document, "version", ""); version > kVersion)
-    reader.fail(concat("is a pen of version ", version, ", this program knows up to ", kVersion,
+  if (const int version = reader.count(document, "version", ""); version > kPenVersion)
+    reader.fail(concat("is a pen of version ", version, ", this program knows up to ", kPenVersion,
                        "; use a newer batten, or calibrate again"));
   CalibratedPen result;
   result.pen.tip_offset = reader.number(document, "tip_offset_m", "");
@@ -45,7 +46,7 @@ CalibratedPen parse_pen(const std::string& text, const std::string& name) {
   if (const std::string found = problem(result.pen); !found.empty())
     reader.fail(concat(found, "; calibrate again"));
   if (!document.contains("calibration")) return result;
-  const Json& figures = document.at("calibration");
+  const OrderedJson& figures = document.at("calibration");
   result.tip_offset_sigma = reader.number(figures, "tip_offset_sigma_m", "calibration.");
   result.led_sigma =
       leds_of(reader, reader.member(figures, "led_sigma_m", "calibration."), "calibration.led_sigma_m");
@@ -55,7 +56,8 @@ CalibratedPen parse_pen(const std::string& text, const std::string& name) {
 
 std::string format_pen(const CalibratedPen& pen) {
   if (const std::string found = problem(pen.pen); !found.empty()) throw InvalidInput(found);
-  Json document = {{"format", kFormat}, {"version", kVersion}, {"tip_offset_m", pen.pen.tip_offset}};
+  OrderedJson document = {
+      {"format", kPenFormat}, {"version", kPenVersion}, {"tip_offset_m", pen.pen.tip_offset}};
   document["leds_m"] = pen.pen.leds;
   document["calibration"] = {{"tip_offset_sigma_m", pen.tip_offset_sigma},
                              {"led_sigma_m", pen.led_sigma},

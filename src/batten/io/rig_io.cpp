@@ -11,10 +11,10 @@ namespace batten {
 namespace {
 
 using detail::JsonReader;
-using Json = JsonReader::Json;
+using OrderedJson = JsonReader::Json;
 
-constexpr const char* kFormat = "batten rig";
-constexpr int kVersion = 1;
+constexpr const char* kRigFormat = "batten rig";
+constexpr int kRigVersion = 1;
 
 struct CameraNumber {
   const char* name;
@@ -24,26 +24,26 @@ constexpr CameraNumber kNumbers[] = {{"fx", &Camera::fx}, {"fy", &Camera::fy}, {
                                      {"cy", &Camera::cy}, {"k1", &Camera::k1}, {"k2", &Camera::k2},
                                      {"k3", &Camera::k3}, {"p1", &Camera::p1}, {"p2", &Camera::p2}};
 
-Json numbers_json(const Camera& camera) {
-  Json json = Json::object();
+OrderedJson numbers_json(const Camera& camera) {
+  OrderedJson json = OrderedJson::object();
   for (const CameraNumber& each : kNumbers) json[each.name] = camera.*each.number;
   return json;
 }
 
-Json camera_json(const Camera& camera) {
-  Json json = {{"width", camera.width}, {"height", camera.height}};
+OrderedJson camera_json(const Camera& camera) {
+  OrderedJson json = {{"width", camera.width}, {"height", camera.height}};
   json.update(numbers_json(camera));
   return json;
 }
 
-Camera read_numbers(const JsonReader& reader, const Json& object, const std::string& where) {
+Camera read_numbers(const JsonReader& reader, const OrderedJson& object, const std::string& where) {
   Camera camera;
   for (const CameraNumber& each : kNumbers) camera.*each.number = reader.number(object, each.name, where);
   return camera;
 }
 
-Camera read_camera(const JsonReader& reader, const Json& document, const std::string& side) {
-  const Json& object = reader.member(document, side, "");
+Camera read_camera(const JsonReader& reader, const OrderedJson& document, const std::string& side) {
+  const OrderedJson& object = reader.member(document, side, "");
   const std::string where = side + ".";
   Camera camera = read_numbers(reader, object, where);
   camera.width = reader.count(object, "width", where);
@@ -64,15 +64,15 @@ constexpr FigureNumber kFigures[] = {{"left_rms_px", &RigFigures::left_rms},
                                      {"left_coverage", &RigFigures::left_coverage},
                                      {"right_coverage", &RigFigures::right_coverage}};
 
-Json figures_json(const RigFigures& figures) {
-  Json json = {{"board",
-                {{"columns", figures.board.columns},
-                 {"rows", figures.board.rows},
-                 {"square_m", figures.board.square}}},
-               {"lens", word_of(figures.lens)},
-               {"pairs", figures.pairs},
-               {"corners", figures.corners},
-               {"left_out", figures.left_out}};
+OrderedJson figures_json(const RigFigures& figures) {
+  OrderedJson json = {{"board",
+                       {{"columns", figures.board.columns},
+                        {"rows", figures.board.rows},
+                        {"square_m", figures.board.square}}},
+                      {"lens", word_of(figures.lens)},
+                      {"pairs", figures.pairs},
+                      {"corners", figures.corners},
+                      {"left_out", figures.left_out}};
   for (const FigureNumber& each : kFigures) json[each.name] = figures.*each.number;
   json["tilt_rad"] = figures.tilt;
   const RigDeviations& deviations = figures.deviations;
@@ -83,15 +83,15 @@ Json figures_json(const RigFigures& figures) {
   return json;
 }
 
-RigFigures read_figures(const JsonReader& reader, const Json& object) {
+RigFigures read_figures(const JsonReader& reader, const OrderedJson& object) {
   const std::string where = "calibration.";
   RigFigures figures;
-  const Json& board = reader.member(object, "board", where);
+  const OrderedJson& board = reader.member(object, "board", where);
   figures.board.columns = reader.count(board, "columns", where + "board.");
   figures.board.rows = reader.count(board, "rows", where + "board.");
   figures.board.square = reader.number(board, "square_m", where + "board.");
   if (const auto found = figures.board.problem()) reader.fail(concat("calibration.board: ", *found));
-  const Json& lens = reader.member(object, "lens", where);
+  const OrderedJson& lens = reader.member(object, "lens", where);
   try {
     figures.lens = parse_choice<LensModel>(lens.is_string() ? lens.get<std::string>() : lens.dump());
   } catch (const InvalidInput& error) {
@@ -104,7 +104,7 @@ RigFigures read_figures(const JsonReader& reader, const Json& object) {
   figures.left_out = reader.count(object, "left_out", where);
   for (const FigureNumber& each : kFigures) figures.*each.number = reader.number(object, each.name, where);
   figures.tilt = reader.number(object, "tilt_rad", where);
-  const Json& deviations = reader.member(object, "standard_deviations", where);
+  const OrderedJson& deviations = reader.member(object, "standard_deviations", where);
   const std::string inside = where + "standard_deviations.";
   figures.deviations.left = read_numbers(reader, reader.member(deviations, "left", inside), inside + "left.");
   figures.deviations.right =
@@ -124,11 +124,11 @@ CalibratedRig read_rig(const std::string& path) {
 
 CalibratedRig parse_rig(const std::string& text, const std::string& name) {
   const JsonReader reader(name, "write the file with batten rig calibrate");
-  const Json document = reader.parse(text);
-  if (!document.is_object() || document.value("format", Json()) != kFormat)
+  const OrderedJson document = reader.parse(text);
+  if (!document.is_object() || document.value("format", OrderedJson()) != kRigFormat)
     reader.fail("is no stereo rig: expected \"format\": \"batten rig\"; write it with batten rig calibrate");
-  if (const int version = reader.count(document, "version", ""); version > kVersion)
-    reader.fail(concat("is a rig of version ", version, ", this program knows up to ", kVersion,
+  if (const int version = reader.count(document, "version", ""); version > kRigVersion)
+    reader.fail(concat("is a rig of version ", version, ", this program knows up to ", kRigVersion,
                        "; use a newer batten, or calibrate again"));
   CalibratedRig result;
   result.rig.left = read_camera(reader, document, "left");
@@ -143,11 +143,12 @@ CalibratedRig parse_rig(const std::string& text, const std::string& name) {
 
 void write_rig(const CalibratedRig& rig, const std::string& path) {
   if (const std::string found = problem(rig.rig); !found.empty()) throw InvalidInput(found);
-  Json document = {{"format", kFormat},
-                   {"version", kVersion},
-                   {"meaning",
-                    "X_right = rotation X_left + translation, metres; x right, y down, z forward; the centre "
-                    "of the first pixel is (0.5, 0.5)"}};
+  OrderedJson document = {
+      {"format", kRigFormat},
+      {"version", kRigVersion},
+      {"meaning",
+       "X_right = rotation X_left + translation, metres; x right, y down, z forward; the centre "
+       "of the first pixel is (0.5, 0.5)"}};
   document["left"] = camera_json(rig.rig.left);
   document["right"] = camera_json(rig.rig.right);
   document["rotation"] = JsonReader::list(rig.rig.rotation);

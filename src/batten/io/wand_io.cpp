@@ -17,8 +17,8 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr const char* kFormat = "batten blobs";
-constexpr int kVersion = 1;
+constexpr const char* kWandFormat = "batten blobs";
+constexpr int kWandVersion = 1;
 constexpr std::size_t kMostBlobs = 1000;  // in one image; more are no lights
 
 struct BlobFrame {
@@ -34,11 +34,11 @@ double number(const Json& value, const LineReader& reader, const char* what) {
 }
 
 void check_format(const Json& row, const LineReader& reader) {
-  if (row["format"] != kFormat) reader.fail("is no file of blobs: expected \"format\": \"batten blobs\"");
+  if (row["format"] != kWandFormat) reader.fail("is no file of blobs: expected \"format\": \"batten blobs\"");
   const Json version = row.value("version", Json());
-  if (version.is_number() && version.get<double>() > kVersion)
-    reader.fail(
-        concat("is of a newer version than ", kVersion, ", which this program knows; use a newer batten"));
+  if (version.is_number() && version.get<double>() > kWandVersion)
+    reader.fail(concat("is of a newer version than ", kWandVersion,
+                       ", which this program knows; use a newer batten"));
 }
 
 /// A row of blobs, or nothing for a row of another kind.

@@ -31,11 +31,11 @@ constexpr int kStackSize = kWidth * (kMaxHeuristicDepth + 34);
 /// best distance is seen and the lowest index among them wins, whatever the order of the visit.
 constexpr double kTieMargin = 1 + 1e-12;
 
-struct Box {
+struct ElementBox {
   Vector3d low = Vector3d::Constant(kInfinity);
   Vector3d high = Vector3d::Constant(-kInfinity);
 
-  void extend(const Box& other) {
+  void extend(const ElementBox& other) {
     low = low.cwiseMin(other.low);
     high = high.cwiseMax(other.high);
   }
@@ -50,7 +50,7 @@ struct Box {
 };
 
 /// Four children with their boxes by coordinate, so that the four distances are one run of arithmetic.
-struct Node {
+struct ElementNode {
   double low[3][kWidth];
   double high[3][kWidth];
   std::int32_t child[kWidth];  ///< of a leaf the first element, else the node
@@ -58,13 +58,13 @@ struct Node {
 };
 
 struct BoxTree {
-  std::vector<Node> nodes;
+  std::vector<ElementNode> nodes;
   std::vector<std::int32_t> order;  ///< elements in the order of the leaves
 };
 
 class BoxTreeBuilder {
  public:
-  explicit BoxTreeBuilder(const std::vector<Box>& boxes) : boxes_(boxes) {
+  explicit BoxTreeBuilder(const std::vector<ElementBox>& boxes) : boxes_(boxes) {
     const std::size_t n = boxes.size();
     centres_.resize(n);
     tree_.order.resize(n);
@@ -101,7 +101,7 @@ class BoxTreeBuilder {
     const auto index = static_cast<std::int32_t>(tree_.nodes.size());
     tree_.nodes.emplace_back();
     for (int i = 0; i < kWidth; ++i) {
-      Box box;
+      ElementBox box;
       if (i < n)
         for (std::int32_t e = ranges[i].begin; e < ranges[i].end; ++e) box.extend(boxes_[tree_.order[e]]);
       for (int k = 0; k < 3; ++k) {
@@ -120,7 +120,7 @@ class BoxTreeBuilder {
   /// Reorders the range into two parts by the surface area heuristic over bins, or by count where the centres
   /// coincide. @return the first of the second part; both parts are not empty.
   std::int32_t split(const Range& range) {
-    Box centres;
+    ElementBox centres;
     for (std::int32_t e = range.begin; e < range.end; ++e) centres.extend(centres_[tree_.order[e]]);
     const Vector3d extent = centres.high - centres.low;
     int widest = 0;
@@ -133,7 +133,7 @@ class BoxTreeBuilder {
       double best_cost = kInfinity;
       for (int axis = 0; axis < 3; ++axis) {
         if (!(extent[axis] > 1e-3 * extent[widest])) continue;
-        std::array<Box, kBins> box;
+        std::array<ElementBox, kBins> box;
         std::array<int, kBins> count{};
         const double scale = kBins / extent[axis];
         for (auto e = first; e != last; ++e) {
@@ -142,14 +142,14 @@ class BoxTreeBuilder {
           ++count[bin];
         }
         std::array<double, kBins> right_cost{};
-        Box right;
+        ElementBox right;
         int n_right = 0;
         for (int b = kBins - 1; b > 0; --b) {
           right.extend(box[b]);
           n_right += count[b];
           right_cost[b] = right.half_area() * n_right;
         }
-        Box left;
+        ElementBox left;
         int n_left = 0;
         for (int b = 1; b < kBins; ++b) {
           left.extend(box[b - 1]);
@@ -182,7 +182,7 @@ class BoxTreeBuilder {
     return std::min(kBins - 1, static_cast<int>((centres_[element][axis] - low) * scale));
   }
 
-  const std::vector<Box>& boxes_;
+  const std::vector<ElementBox>& boxes_;
   std::vector<Vector3d> centres_;
   BoxTree tree_;
 };
@@ -259,8 +259,8 @@ struct TriangleElement {
                    c = positions.row(triangles(t, 2));
     return {a, b - a, c - a, is_flat(b - a, c - a)};
   }
-  Box box() const {
-    Box box;
+  ElementBox box() const {
+    ElementBox box;
     box.extend(a);
     box.extend(a + ab);
     box.extend(a + ac);
@@ -290,8 +290,8 @@ struct SegmentElement {
     const Vector3d a = positions.row(segments(s, 0)), b = positions.row(segments(s, 1));
     return {a, b - a};
   }
-  Box box() const {
-    Box box;
+  ElementBox box() const {
+    ElementBox box;
     box.extend(a);
     box.extend(a + ab);
     return box;
@@ -322,7 +322,7 @@ struct Search {
     const Eigen::Index m = indices.rows(), n = positions.rows();
     if (m == 0) throw InvalidInput(concat("there is no ", what, " to measure the distance to"));
     if (m > std::numeric_limits<std::int32_t>::max() / 2) throw InvalidInput("more than 10⁹ elements");
-    std::vector<Box> boxes(m);
+    std::vector<ElementBox> boxes(m);
     for (Eigen::Index e = 0; e < m; ++e) {
       for (Eigen::Index k = 0; k < indices.cols(); ++k) {
         const int v = indices(e, k);
@@ -372,7 +372,7 @@ struct Search {
         for (std::int32_t e = entry.child; e < entry.child + entry.count; ++e) consider(e);
         continue;
       }
-      const Node& node = tree.nodes[entry.child];
+      const ElementNode& node = tree.nodes[entry.child];
       // As arrays of Eigen, which come out as instructions on several numbers at a time.
       using Four = Eigen::Array<double, kWidth, 1>;
       Four squared = Four::Zero();

@@ -12,7 +12,7 @@ namespace batten {
 
 namespace {
 
-constexpr int kNone = HalfedgeMesh::kNone;
+constexpr int kNoEdge = HalfedgeMesh::kNone;
 using Eigen::Vector3d;
 
 /// Marked edges at v, as half-edges from v or, on a border's far side, to v.
@@ -45,10 +45,10 @@ std::vector<int> walk(const HalfedgeMesh& mesh, int v, int h, const Stop& stop) 
   int at = other_end(mesh, h, v), edge = h;
   while (at != v && !stop(at)) {
     vertices.push_back(at);
-    int following = kNone;
+    int following = kNoEdge;
     for (const int e : marked_edges(mesh, at))
       if (e != edge && e != mesh.opposite(edge)) following = e;
-    if (following == kNone) return vertices;
+    if (following == kNoEdge) return vertices;
     edge = following;
     at = other_end(mesh, edge, at);
   }
@@ -66,7 +66,7 @@ double polyline_length(const HalfedgeMesh& mesh, const std::vector<int>& vertice
 void unmark(HalfedgeMesh& mesh, const std::vector<int>& vertices) {
   for (std::size_t i = 1; i < vertices.size(); ++i) {
     int h = mesh.find(vertices[i - 1], vertices[i]);
-    if (h == kNone) h = mesh.find(vertices[i], vertices[i - 1]);
+    if (h == kNoEdge) h = mesh.find(vertices[i], vertices[i - 1]);
     if (!mesh.is_border_edge(h)) mesh.set_marked(h, false);
   }
 }
@@ -79,21 +79,21 @@ void extend_crease(HalfedgeMesh& mesh, int v, double least, double corner_angle)
     const std::vector<int> marked = marked_edges(mesh, v);
     if (marked.size() != 1) return;
     const Vector3d back = mesh.position(v) - mesh.position(other_end(mesh, marked[0], v));
-    int best = kNone;
+    int best = kNoEdge;
     double best_angle = least, second = 0;
     mesh.for_each_outgoing(v, [&](int h) {
       if (mesh.is_border_edge(h) || mesh.is_marked(h)) return;
       const Vector3d on = mesh.position(mesh.to(h)) - mesh.position(v);
       const double angle = dihedral_angle(mesh, h);
       if (angle > best_angle && std::atan2(back.cross(on).norm(), back.dot(on)) < corner_angle) {
-        second = std::max(second, best == kNone ? 0 : best_angle);
+        second = std::max(second, best == kNoEdge ? 0 : best_angle);
         best_angle = angle;
         best = h;
       } else {
         second = std::max(second, angle);
       }
     });
-    if (best == kNone || second > 0.5 * best_angle) return;
+    if (best == kNoEdge || second > 0.5 * best_angle) return;
     mesh.set_marked(best, true);
     v = mesh.to(best);
   }
@@ -145,7 +145,7 @@ int vertex_halfway(const HalfedgeMesh& mesh, const std::vector<int>& loop) {
     length += (mesh.position(loop[i]) - mesh.position(loop[i - 1])).norm();
     if (length >= half || i + 2 == loop.size()) return loop[i];
   }
-  return kNone;
+  return kNoEdge;
 }
 
 /// Curves without a corner get one at their lowest vertex; then those that return to their only corner get
@@ -168,7 +168,7 @@ void add_missing_corners(const HalfedgeMesh& mesh, const std::vector<char>& on_c
     for (const int e : marked_edges(mesh, v)) {
       const std::vector<int> curve = walk(mesh, v, e, is_corner);
       if (curve.back() != v) continue;
-      if (const int middle = vertex_halfway(mesh, curve); middle != kNone) result.is_corner[middle] = 1;
+      if (const int middle = vertex_halfway(mesh, curve); middle != kNoEdge) result.is_corner[middle] = 1;
     }
   }
 }
@@ -235,7 +235,7 @@ FeatureChains mark_features(HalfedgeMesh& mesh, const FeatureOptions& options) {
         extend_crease(mesh, v, options.fade * options.crease_angle, options.corner_angle);
 
   FeatureChains result;
-  result.chain_of_vertex.assign(n, kNone);
+  result.chain_of_vertex.assign(n, kNoEdge);
   result.place_of_vertex.assign(n, 0.0);
   result.is_corner.assign(n, 0);
   const std::vector<char> on_curve = find_corners(mesh, options.corner_angle, result);

@@ -20,14 +20,14 @@ using Eigen::Vector3d;
 // Unknowns of the border: InertialErrors, then the excess of gravity.
 constexpr int kGravity = InertialErrors::kCount, kBorder = kGravity + 1;
 // Unknowns of a knot.
-constexpr int kTurn = 0, kVelocity = 3, kPlace = 6;
+constexpr int kTurnPart = 0, kVelocityPart = 3, kPlacePart = 6;
 
 /// Scale and alignment of gyroscopes, one entry of M; and gravity with the scale of accelerometers.
 constexpr double kMatrixDeviation = 0.01, kGravityDeviation = 0.01;
 /// Holds the heading of the first knot where nothing else does, radians.
 constexpr double kFirstHeadingDeviation = 1.5;
 
-constexpr int kMostSteps = 25;
+constexpr int kMostSmoothingSteps = 25;
 /// Steps end at turns below this, radians: far below every sensor.
 constexpr double kLeastTurn = 5e-5;
 /// The start may be wrong, so that headings far off are let in at first: so many steps with this deviation,
@@ -272,8 +272,8 @@ void OrientationSmoother::assemble_step(int k) {
   const Matrix3d J = so3_right_jacobian_inverse(r);
   Row by_a = Row::Zero(), by_b = Row::Zero();
   BorderRows by_border = BorderRows::Zero(3, kBorder);
-  by_b.middleCols<3>(kTurn) = turn * J;
-  by_a.middleCols<3>(kTurn) = -turn * J * b.X.transpose() * a.X;
+  by_b.middleCols<3>(kTurnPart) = turn * J;
+  by_a.middleCols<3>(kTurnPart) = -turn * J * b.X.transpose() * a.X;
   by_border.leftCols<InertialErrors::kCount>() = -turn * J * so3_exp(r).transpose() * m.R_by;
   system_.add<3>(k, by_a, by_b, by_border, turn * r);
 
@@ -281,21 +281,21 @@ void OrientationSmoother::assemble_step(int k) {
   Row va = Row::Zero(), vb = Row::Zero();
   BorderRows v_border = BorderRows::Zero(3, kBorder);
   Vector3d rv = b.v - a.v;
-  va.middleCols<3>(kVelocity) = -I;
-  vb.middleCols<3>(kVelocity) = I;
+  va.middleCols<3>(kVelocityPart) = -I;
+  vb.middleCols<3>(kVelocityPart) = I;
   Row pa = Row::Zero(), pb = Row::Zero();
   BorderRows p_border = BorderRows::Zero(3, kBorder);
   Vector3d rp = b.p - a.p - T * a.v;
-  pa.middleCols<3>(kPlace) = -I;
-  pa.middleCols<3>(kVelocity) = -T * I;
-  pb.middleCols<3>(kPlace) = I;
+  pa.middleCols<3>(kPlacePart) = -I;
+  pa.middleCols<3>(kVelocityPart) = -T * I;
+  pb.middleCols<3>(kPlacePart) = I;
   if (m.force_known) {
     rv += Vector3d(0, 0, gravity() * T) - a.X * m.v;
-    va.middleCols<3>(kTurn) = a.X * hat(m.v);
+    va.middleCols<3>(kTurnPart) = a.X * hat(m.v);
     v_border.leftCols<InertialErrors::kCount>() = -a.X * m.v_by;
     v_border(2, kGravity) = kUsualGravity * T;
     rp += Vector3d(0, 0, 0.5 * gravity() * T * T) - a.X * m.p;
-    pa.middleCols<3>(kTurn) = a.X * hat(m.p);
+    pa.middleCols<3>(kTurnPart) = a.X * hat(m.p);
     p_border.leftCols<InertialErrors::kCount>() = -a.X * m.p_by;
     p_border(2, kGravity) = 0.5 * kUsualGravity * T * T;
   }
@@ -316,13 +316,13 @@ void OrientationSmoother::assemble_bounds(int k) {
     J.middleCols<3>(at) = w * Matrix3d::Identity();
     system_.add<3>(k, J, w * value);
   };
-  bound(kVelocity, knot.v, options_.speed, kSpeedCorrelation);
-  bound(kPlace, knot.p, options_.reach, kReachCorrelation);
+  bound(kVelocityPart, knot.v, options_.speed, kSpeedCorrelation);
+  bound(kPlacePart, knot.p, options_.reach, kReachCorrelation);
   // A turn about the vertical turns the field with it. What a tilt does to the heading of a field that dips
   // is left out: the magnetometer has no say in tilts.
   const auto heading = [&](double w, double value) {
     Chain::Rows<1> J = Chain::Rows<1>::Zero();
-    J.segment<3>(kTurn) = w * knot.X.row(2);
+    J.segment<3>(kTurnPart) = w * knot.X.row(2);
     system_.add<1>(k, J, Eigen::Matrix<double, 1, 1>(w * value));
   };
   if (knot.weight > 0)
@@ -350,10 +350,10 @@ void OrientationSmoother::apply() {
   turned_ = 0;
   for (size_t k = 0; k < knots_.size(); ++k) {
     const Chain::Vector& step = system_.step(static_cast<int>(k));
-    turned_ = std::max(turned_, step.segment<3>(kTurn).norm());
-    knots_[k].X = nearest_rotation(knots_[k].X * so3_exp(step.segment<3>(kTurn)));
-    knots_[k].v += step.segment<3>(kVelocity);
-    knots_[k].p += step.segment<3>(kPlace);
+    turned_ = std::max(turned_, step.segment<3>(kTurnPart).norm());
+    knots_[k].X = nearest_rotation(knots_[k].X * so3_exp(step.segment<3>(kTurnPart)));
+    knots_[k].v += step.segment<3>(kVelocityPart);
+    knots_[k].p += step.segment<3>(kPlacePart);
   }
   const Eigen::VectorXd& shared = system_.border_step();
   errors_.gyroscope_bias += shared.segment<3>(InertialErrors::kBias);
@@ -374,7 +374,7 @@ void OrientationSmoother::step(const Progress& progress) {
 void OrientationSmoother::solve(const Progress& progress) {
   update_motions();
   double gate = kFirstGate;
-  while (iterations_ < kMostSteps) {
+  while (iterations_ < kMostSmoothingSteps) {
     if (has_field_) {
       const bool open = iterations_ < kOpenSteps;
       if (!open) {

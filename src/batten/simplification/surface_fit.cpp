@@ -16,7 +16,7 @@ using Eigen::Vector3d;
 
 namespace {
 
-constexpr int kNone = HalfedgeMesh::kNone;
+constexpr int kNoEdge = HalfedgeMesh::kNone;
 constexpr double kLeastCosine = 0.2;   ///< between the normals of a face before and after a step
 constexpr int kTriesPerReport = 256;   ///< moves or flips: some 10 ms
 constexpr double kLeastHeight = 0.02;  ///< of a triangle over its longest edge, unless it was worse before
@@ -103,7 +103,7 @@ void SurfaceFit::locate_one(int s) {
     if (n_zero == 1) {
       const int k = w[0] == 0 ? 1 : w[1] == 0 ? 2 : 0;  // the edge opposite the zero
       const int o = mesh_.opposite(3 * from + k);
-      if (o != kNone) consider(HalfedgeMesh::face(o));
+      if (o != kNoEdge) consider(HalfedgeMesh::face(o));
     } else {
       const int k = w[0] != 0 ? 0 : w[1] != 0 ? 1 : 2;
       mesh_.for_each_outgoing(mesh_.from(3 * from + k), [&](int h) {
@@ -144,7 +144,7 @@ void SurfaceFit::locate(const Progress& progress) {
     }
   };
   parallel_for(static_cast<Eigen::Index>(samples_.size()), 1024, search, progress);
-  first_.assign(mesh_.face_capacity(), kNone);
+  first_.assign(mesh_.face_capacity(), kNoEdge);
   next_.resize(samples_.size());
   double sum = 0;
   for (int s = static_cast<int>(samples_.size()) - 1; s >= 0; --s) {
@@ -178,7 +178,7 @@ bool SurfaceFit::gains_by_flip(int h) const {
   double change = 0, furthest = 0;
   double weights[3];
   for (const int side : {h, o})
-    for (int s = first_[HalfedgeMesh::face(side)]; s != kNone; s = next_[s]) {
+    for (int s = first_[HalfedgeMesh::face(side)]; s != kNoEdge; s = next_[s]) {
       const Vector3d& p = samples_[s].point;
       const double d =
           std::min(nearest_on_triangle(p, px, pw, pu, weights), nearest_on_triangle(p, pw, px, pv, weights));
@@ -200,15 +200,15 @@ bool SurfaceFit::flip_if_free(int h) {
   const int f = HalfedgeMesh::face(h), g = HalfedgeMesh::face(o);
   tree_.update(f);
   tree_.update(g);
-  int moved = kNone;
+  int moved = kNoEdge;
   for (const int side : {f, g})
-    while (first_[side] != kNone) {
+    while (first_[side] != kNoEdge) {
       const int s = first_[side];
       first_[side] = next_[s];
       next_[s] = moved;
       moved = s;
     }
-  while (moved != kNone) {
+  while (moved != kNoEdge) {
     const int s = moved;
     moved = next_[s];
     double wf[3], wg[3];
@@ -242,8 +242,8 @@ int SurfaceFit::flip_edges(const Progress& progress) {
   for (int h = 0; h < n; ++h) {
     if (!mesh_.has_halfedge(h) || !mesh_.is_representative(h)) continue;
     const int o = mesh_.opposite(h);
-    const bool changed =
-        flipped_face[HalfedgeMesh::face(h)] != 0 || (o != kNone && flipped_face[HalfedgeMesh::face(o)] != 0);
+    const bool changed = flipped_face[HalfedgeMesh::face(h)] != 0 ||
+                         (o != kNoEdge && flipped_face[HalfedgeMesh::face(o)] != 0);
     // A flip elsewhere may have made the edge that this one would.
     if (!(changed ? gains_by_flip(h) : gains[h] != 0 && mesh_.can_flip(h))) continue;
     if (tried++ % kTriesPerReport == 0) progress.report("flips", 0.7 + 0.3 * h / n);
@@ -267,7 +267,7 @@ SurfaceFit::Pull SurfaceFit::pull_at(int v) const {
     const Vector3d &a = mesh_.position(mesh_.to(h)), &b = mesh_.position(mesh_.tip(h));
     const Vector3d corners[3] = {mesh_.position(mesh_.from(3 * f)), mesh_.position(mesh_.from(3 * f + 1)),
                                  mesh_.position(mesh_.from(3 * f + 2))};
-    for (int s = first_[f]; s != kNone; s = next_[s]) {
+    for (int s = first_[f]; s != kNoEdge; s = next_[s]) {
       const Located& at = located_[s];
       const double w = at.weights[k];
       if (w == 0) continue;
@@ -313,9 +313,9 @@ SurfaceFit::Fit SurfaceFit::fit_at(int v, const Vector3d& x, const Pull& pull) c
     const int f = HalfedgeMesh::face(h);
     const Vector3d &a = mesh_.position(mesh_.to(h)), &b = mesh_.position(mesh_.tip(h));
     const int before = mesh_.opposite(h), after = mesh_.opposite(HalfedgeMesh::prev(h));
-    const Vector3d *pa = before == kNone ? nullptr : &mesh_.position(mesh_.tip(before)),
-                   *pb = after == kNone ? nullptr : &mesh_.position(mesh_.to(after));
-    for (int s = first_[f]; s != kNone; s = next_[s]) {
+    const Vector3d *pa = before == kNoEdge ? nullptr : &mesh_.position(mesh_.tip(before)),
+                   *pb = after == kNoEdge ? nullptr : &mesh_.position(mesh_.to(after));
+    for (int s = first_[f]; s != kNoEdge; s = next_[s]) {
       const Vector3d& y = samples_[s].point;
       const double near = (y - x).squaredNorm();
       if (near < fit.nearest) {

@@ -29,7 +29,7 @@ using Eigen::Index;
 using Eigen::RowVector3d;
 
 /// Rings of neighbours that a quadric is fitted to: two hold enough vertices, beyond three shape changes.
-constexpr int kFewestRings = 2, kMostRings = 3;
+constexpr int kFewestRings = 2, kMostFillRings = 3;
 /// A quadric that misses its vertices by more than this share of their distance, in the mean square, lies
 /// over an edge; the mean normal of the triangles is then the better guess.
 constexpr double kMisfit = 0.05;
@@ -94,7 +94,7 @@ class HoleFiller {
     const RowVector3d mean = normals_.row(vertex);
     std::set<int> near{vertex};
     std::vector<int> last{vertex};
-    for (int ring = 0; ring < kMostRings && (ring < kFewestRings || near.size() < 12); ++ring) {
+    for (int ring = 0; ring < kMostFillRings && (ring < kFewestRings || near.size() < 12); ++ring) {
       std::vector<int> next;
       for (const int v : last)
         for (int k = rings_.offsets[at(v)]; k < rings_.offsets[at(v) + 1]; ++k)
