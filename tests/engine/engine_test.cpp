@@ -205,7 +205,7 @@ TEST(Engine, StopsWhereProgressSaysSo) {
 TEST(Engine, PlaysARecordedSessionAndSaysWhatItRefused) {
   const std::string session =
       R"({"batten_session":1,"unit":"mm"}
-{"op":"insert","points":[[0,0,0],[1,0,0],[2,0,0]]}
+{"op":"insert","points":[[0,0,0],[1,0,0],[1,1,0],[0,1,0],[0,0,0]]}
 {"op":"delete","curve":"c7"}
 )";
   Engine engine;
