@@ -1,6 +1,7 @@
 #include "command.hpp"
 
 #include "command_group.hpp"
+#include "commands/words.hpp"
 #include "report_page.hpp"
 #include "shell_help.hpp"
 #include "suggestions.hpp"
@@ -198,6 +199,8 @@ int run_chosen() {
     if (!outcome.refusal.empty()) return fail(kBadInput, outcome.refusal, true);
     return outcome.failure.empty() ? kOk : fail(kWorkFailed, outcome.failure, true);
   } catch (const CLI::Error& error) {
+    return fail(kBadUsage, error.what());
+  } catch (const commands::UsageError& error) {
     return fail(kBadUsage, error.what());
   } catch (const UnknownExtension& error) {
     return fail(kBadUsage, error.what(), false, error.path());

@@ -1,4 +1,6 @@
 #include "command.hpp"
+#include "commands/compare.hpp"
+#include "commands/mesh_file.hpp"
 #include "model_file.hpp"
 
 #include <algorithm>
@@ -19,63 +21,9 @@ namespace batten::cli {
 
 namespace {
 
-struct CompareArguments {
-  std::string a, b, registration = "none", distances;
-  std::uint64_t seed = 1;
-  long samples = 200000;
-  bool repair = false;
+struct CompareArguments : commands::CompareArguments {
+  std::string a, b, distances;
 };
-
-Json figures_json(const DistanceFigures& figures, double divisor) {
-  Json json = Json::object();
-  json["max"] = figures.max / divisor;
-  json["mean"] = figures.mean / divisor;
-  json["rms"] = figures.rms / divisor;
-  return json;
-}
-
-/// The figures to quote first, then those they come from.
-Json directed_json(const DirectedComparison& side, double divisor) {
-  Json json = figures_json(side.samples, divisor);
-  json["max"] = std::max(side.vertices.max, side.samples.max) / divisor;
-  json["vertices"] = figures_json(side.vertices, divisor);
-  json["samples"] = figures_json(side.samples, divisor);
-  return json;
-}
-
-/// Null where one of the shapes is a network.
-Json normals_json(const DistanceFigures& angles) {
-  if (angles.count == 0) return nullptr;
-  return {
-      {"max_deg", degrees(angles.max)}, {"mean_deg", degrees(angles.mean)}, {"rms_deg", degrees(angles.rms)}};
-}
-
-/// Null where one of the shapes is no oriented manifold.
-Json variation_json(const std::optional<MeshVariation>& variation) {
-  if (!variation) return nullptr;
-  const auto known = [](double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); };
-  return {{"mean_curvature", known(variation->mean_curvature)},
-          {"edge_variance", known(variation->edge_variance)},
-          {"area_variance", known(variation->area_variance)},
-          {"curvature_variance", known(variation->curvature_variance)}};
-}
-
-Json registration_json(const std::string& kind, const Registration& registration) {
-  const SimilarityTransform& transform = registration.transform;
-  Json json = Json::object();
-  json["kind"] = kind;
-  json["scale"] = transform.scale;
-  json["rotation"] = Json::array();
-  for (int i = 0; i < 3; ++i)
-    json["rotation"].push_back(
-        {transform.rotation(i, 0), transform.rotation(i, 1), transform.rotation(i, 2)});
-  json["translation"] = {transform.translation.x(), transform.translation.y(), transform.translation.z()};
-  json["angle_deg"] = degrees(transform.angle());
-  json["rms"] = registration.rms;
-  json["iterations"] = registration.iterations;
-  json["converged"] = registration.converged;
-  return json;
-}
 
 std::string line_of(const std::string& direction, const char* over, const DistanceFigures& figures,
                     double diameter) {
@@ -98,15 +46,12 @@ Outcome run_compare(const CompareArguments& arguments, Context& context) {
     for (Model* model : {&a, &b})
       if (model->mesh) {
         MeshFile file{std::move(*model->mesh), std::move(model->attributes)};
-        prepare_mesh(model->path, file, outcome.warnings, true, context.progress);
+        commands::prepare_mesh(model->path, file, outcome.warnings, true, context.progress);
         model->mesh = std::move(file.mesh);
         model->attributes = std::move(file.attributes);
       }
-  CompareOptions options;
-  options.seed = arguments.seed;
-  options.samples = arguments.samples;
-  options.registration = parse_choice<RegistrationKind>(arguments.registration);
-  const ShapeComparison compared = compared_shapes(shape_of(a), shape_of(b), options, context.progress);
+  const ShapeComparison compared =
+      compared_shapes(shape_of(a), shape_of(b), options_of(arguments), context.progress);
   add_run(compared.times, compared.warnings, outcome);
   const Comparison& found = compared.distances;
   if (!arguments.distances.empty()) {
@@ -117,17 +62,7 @@ Outcome run_compare(const CompareArguments& arguments, Context& context) {
   Json& figures = outcome.figures;
   figures["a"] = describe(a);
   figures["b"] = describe(b);
-  figures["diameter"] = found.diameter;
-  figures["registration"] = registration_json(arguments.registration, found.registration);
-  figures["a_to_b"] = directed_json(found.a_to_b, 1);
-  figures["b_to_a"] = directed_json(found.b_to_a, 1);
-  figures["relative"] = {{"a_to_b", directed_json(found.a_to_b, found.diameter)},
-                         {"b_to_a", directed_json(found.b_to_a, found.diameter)}};
-  figures["hausdorff"] = compared.hausdorff;
-  figures["normals"] = {{"a_to_b", normals_json(found.a_to_b.normal_angles)},
-                        {"b_to_a", normals_json(found.b_to_a.normal_angles)}};
-  figures["variation"] = variation_json(compared.variation);
-  figures["samples"] = options.samples;
+  commands::append(commands::figures_of(arguments, compared), figures);
 
   outcome.lines.push_back(
       concat("distances (in brackets: of the diameter of ", arguments.b, ", ", found.diameter, ")"));
@@ -138,7 +73,7 @@ Outcome run_compare(const CompareArguments& arguments, Context& context) {
   if (found.a_to_b.normal_angles.count > 0)
     outcome.lines.push_back(concat("  normals  A to B mean ", degrees(found.a_to_b.normal_angles.mean),
                                    " degrees, B to A ", degrees(found.b_to_a.normal_angles.mean)));
-  if (options.registration != RegistrationKind::None) {
+  if (arguments.registration != "none") {
     const SimilarityTransform& t = found.registration.transform;
     outcome.lines.push_back(concat("A was turned by ", degrees(t.angle()), " degrees, scaled by ", t.scale,
                                    ", then moved by (", t.translation.x(), ", ", t.translation.y(), ", ",

@@ -1,4 +1,5 @@
 #include "command.hpp"
+#include "commands/deform.hpp"
 #include "model_file.hpp"
 
 #include <memory>
@@ -13,23 +14,9 @@ namespace batten::cli {
 
 namespace {
 
-struct DeformArguments {
-  std::string in, out, handles, energy = "total", nonlinear = "gauss-newton";
-  double soft = 0;
-  int iterations = DeformOptions{}.max_iterations;
-  bool multiresolution = false;
-  bool repair = false;
+struct DeformArguments : commands::DeformArguments {
+  std::string in, out, handles;
 };
-
-DeformedMeshOptions options_of(const DeformArguments& arguments) {
-  DeformedMeshOptions options;
-  options.deform.energy = parse_choice<DeformationEnergy>(arguments.energy);
-  options.deform.detail = parse_choice<DetailPreservation>(arguments.nonlinear);
-  options.deform.soft_weight = arguments.soft;
-  options.deform.max_iterations = arguments.iterations;
-  options.multiresolution = arguments.multiresolution;
-  return options;
-}
 
 Outcome run_deform(const DeformArguments& arguments, Context& context) {
   Outcome outcome;
@@ -48,16 +35,7 @@ Outcome run_deform(const DeformArguments& arguments, Context& context) {
     const ScopedStage stage(outcome.times, "write");
     write_made_mesh(arguments.out, result.mesh, input, true, outcome);
   }
-  Json& figures = outcome.figures;
-  figures["vertices"] = mesh.n_vertices();
-  figures["faces"] = mesh.n_triangles();
-  figures["fixed"] = result.n_fixed;
-  figures["moved"] = result.n_moved;
-  figures["iterations"] = result.report.iterations;
-  figures["converged"] = result.report.converged;
-  figures["last_move"] = result.report.last_move;
-  figures["curvature_term"] = result.curvature_term;
-  if (result.base_vertices) figures["base_vertices"] = *result.base_vertices;
+  outcome.figures = commands::figures_of(result);
   outcome.lines.push_back(concat(arguments.out, ": ", mesh.n_vertices(), " vertices, ", result.n_fixed,
                                  " fixed, ", result.n_moved, " moved, ", result.report.iterations,
                                  " iterations"));

@@ -1,7 +1,7 @@
 #include "command.hpp"
+#include "commands/fair.hpp"
 #include "model_file.hpp"
 
-#include <cmath>
 #include <memory>
 #include <string>
 
@@ -14,20 +14,9 @@ namespace batten::cli {
 
 namespace {
 
-struct FairArguments {
-  std::string input, output, method = "auto", noise = "auto";
-  int iterations = 0;
-  bool keep_boundary = false;
-  bool repair = false;
+struct FairArguments : commands::FairArguments {
+  std::string input, output;
 };
-
-/// The noise in mean edge lengths; −1 for "auto". @throws InvalidInput on anything else.
-double parse_noise(const std::string& text) {
-  double value = -1;
-  if (text != "auto" && !(parse_number(text, value) && std::isfinite(value) && value >= 0))
-    throw InvalidInput(concat("--noise must be auto or a number of mean edge lengths, at least 0: ", text));
-  return value;
-}
 
 Outcome run_fair(const FairArguments& arguments, Context& context) {
   Outcome outcome;
@@ -38,32 +27,14 @@ Outcome run_fair(const FairArguments& arguments, Context& context) {
     input = read_mesh_to_process(arguments.input, outcome.warnings, arguments.repair, context.progress);
   }
   const TriangleMesh& mesh = input.mesh;
-  FairingOptions options;
-  options.method = parse_choice<FairingMethod>(arguments.method);
-  options.noise = parse_noise(arguments.noise);
-  options.iterations = arguments.iterations;
-  options.keep_boundary = arguments.keep_boundary;
-  const FairedMesh faired = faired_mesh(mesh, options, context.progress);
+  const FairedMesh faired = faired_mesh(mesh, options_of(arguments), context.progress);
   add_run(faired.times, faired.warnings, outcome);
   {
     const ScopedStage stage(outcome.times, "write");
     write_made_mesh(arguments.output, faired.mesh, input, true, outcome);
   }
-  const std::string strategy(faired.strategy ? word_of(*faired.strategy) : word_of(options.method));
-  Json& figures = outcome.figures;
-  figures["vertices"] = mesh.n_vertices();
-  figures["faces"] = mesh.n_triangles();
-  figures["components"] = faired.topology.n_components;
-  figures["boundary_loops"] = faired.topology.n_boundary_loops;
-  figures["method"] = arguments.method;
-  figures["strategy"] = strategy;
-  figures["noise"] = faired.noise;
-  figures["iterations"] = faired.iterations;
-  figures["time_step"] = faired.time_step > 0 ? Json(faired.time_step) : Json(nullptr);
-  figures["largest_move"] = faired.largest_move;
-  figures["mean_normal_change_deg"] = degrees(faired.mean_normal_change);
-  figures["volume_change_percent"] = nullptr;
-  if (faired.volume_change) figures["volume_change_percent"] = 100 * *faired.volume_change;
+  const std::string strategy = strategy_of(arguments, faired);
+  outcome.figures = commands::figures_of(arguments, faired);
 
   outcome.lines.push_back(concat("faired ", mesh.n_vertices(), " vertices, ", mesh.n_triangles(),
                                  " triangles: method ", arguments.method, ", strategy ", strategy));
@@ -93,7 +64,7 @@ void add_fair(CLI::App& app) {
   command
       ->add_option("--noise", arguments->noise,
                    "Standard deviation of the noise in mean edge lengths, or auto to estimate it")
-      ->check(parses("auto or a number", [](const std::string& text) { parse_noise(text); }));
+      ->check(parses("auto or a number", [](const std::string& text) { commands::parse_noise(text); }));
   command
       ->add_option("--iterations", arguments->iterations, "Rounds or steps; 0 takes the method's own number")
       ->check(CLI::Range(0, 100000));

@@ -13,7 +13,7 @@ void add_network(CLI::App& app) {
       "Turn a scan of orientations and distances into a curve network with positions and normals.",
       "batten network scan.rawnet -o network.json", [arguments](Context& context) {
         Outcome outcome;
-        const ScanOptions options = scan_options(*arguments);
+        const ScanOptions options = options_of(*arguments);
         check_network_output(*arguments);
         const std::optional<Scan> scan = read_network_scan(*arguments, context.progress, outcome);
         if (scan) report_network(*arguments, network_from_scan(*scan, options, context.progress), outcome);

@@ -1,4 +1,5 @@
 #include "command.hpp"
+#include "commands/compare.hpp"
 #include "model_file.hpp"
 #include "network_arguments.hpp"
 #include "surface_arguments.hpp"
@@ -30,8 +31,7 @@ void compare_with_truth(const std::string& path, const Context& context, Outcome
   const TruthErrors errors = truth_errors(batten::shape_of(*outcome.exhibit.mesh), shape_of(truth),
                                           RegistrationKind::Rigid, context.progress);
   outcome.exhibit.errors = errors.vertices;
-  outcome.figures["error_percent"] = {
-      {"max", errors.figures.max}, {"mean", errors.figures.mean}, {"rms", errors.figures.rms}};
+  outcome.figures["error_percent"] = commands::figures_of(errors);
   outcome.lines.push_back(concat("distance to ", path, ": mean ", errors.figures.mean, " %, max ",
                                  errors.figures.max, " % of its diameter"));
 }
@@ -39,8 +39,8 @@ void compare_with_truth(const std::string& path, const Context& context, Outcome
 Outcome reconstruct(const ReconstructArguments& arguments, Context& context) {
   check_surface_output(arguments.surface);
   check_network_output(arguments.network);
-  const ScanOptions scan = scan_options(arguments.network);
-  const NetworkSurfaceOptions filling = surface_options(arguments.surface);
+  const ScanOptions scan = options_of(arguments.network);
+  const NetworkSurfaceOptions filling = options_of(arguments.surface);
   Outcome outcome, network, surface;
   const std::optional<Scan> readings = read_network_scan(arguments.network, context.progress, network);
   if (!readings) return network;

@@ -1,4 +1,5 @@
 #include "command.hpp"
+#include "commands/remesh.hpp"
 #include "model_file.hpp"
 
 #include <memory>
@@ -15,12 +16,8 @@ namespace batten::cli {
 
 namespace {
 
-struct RemeshArguments {
-  std::string in, out, edge, keep_edges = "30deg", keep_border = "curve", method = "ar", sizes;
-  int vertices = 0, iterations = RemeshOptions{}.max_iterations;
-  double adaptivity = RemeshOptions{}.adaptivity;
-  bool repair = false;
-  bool accept_flaws = false;
+struct RemeshArguments : commands::RemeshArguments {
+  std::string in, out;
 };
 
 Outcome run_remesh(const RemeshArguments& arguments, Context& context) {
@@ -32,23 +29,8 @@ Outcome run_remesh(const RemeshArguments& arguments, Context& context) {
     input = read_mesh_to_process(arguments.in, outcome.warnings, arguments.repair, context.progress);
   }
   const TriangleMesh& mesh = input.mesh;
-  RemeshedMeshOptions options;
-  RemeshOptions& chosen = options.remesh;
-  chosen.method = parse_choice<RemeshMethod>(arguments.method);
-  chosen.adaptivity = arguments.adaptivity;
-  chosen.n_vertices = arguments.vertices;
-  chosen.max_iterations = arguments.iterations;
-  chosen.keep_edges = parse_angle(arguments.keep_edges);
-  chosen.hold_border = arguments.keep_border == "exact";
-  if (!arguments.edge.empty()) options.edge_length = parse_length(arguments.edge);
-  if (!arguments.sizes.empty()) {
-    const auto found = mesh.vertex_values.find(arguments.sizes);
-    if (found == mesh.vertex_values.end())
-      throw InvalidInput(concat(arguments.in, " has no value '", arguments.sizes,
-                                "' per vertex; --sizes names a property of a PLY file"));
-    chosen.sizes = found->second;
-  }
-  const RemeshedMesh result = remeshed_mesh(mesh, options, context.progress);
+  const RemeshedMesh result =
+      remeshed_mesh(mesh, options_of(arguments, mesh, arguments.in), context.progress);
   add_run(result.times, result.warnings, outcome);
   const bool is_written = result.flaws.empty() || arguments.accept_flaws;
   if (is_written) {
@@ -57,28 +39,7 @@ Outcome run_remesh(const RemeshArguments& arguments, Context& context) {
   }
   const RemeshMeasures& measures = result.measures;
   const MeshQuality& quality = result.quality;
-  Json& figures = outcome.figures;
-  figures["vertices"] = result.mesh.n_vertices();
-  figures["faces"] = result.mesh.n_triangles();
-  figures["target_vertices"] = result.report.target_vertices;
-  figures["iterations"] = result.report.iterations;
-  figures["converged"] = result.report.converged;
-  figures["mean_edge"] = quality.mean_edge;
-  figures["faceted"] = result.report.is_faceted;
-  figures["self_intersections"] = result.report.crossings;
-  figures["flaws"] = result.flaws;
-  figures["kept_edges"] = result.report.feature_edges;
-  figures["corners"] = result.report.corners;
-  figures["area_variance"] = result.report.area_variance;
-  figures["mean_smallest_angle_deg"] = degrees(quality.mean_min_angle);
-  figures["smallest_angle_deg"] = degrees(quality.min_angle);
-  // H, table 2.3.
-  figures["curvature_change"] = measures.curvature_change;
-  figures["edge_variance_change"] = measures.edge_variance_change;
-  figures["area_variance_change"] = measures.area_variance_change;
-  figures["curvature_variance_change"] = measures.curvature_variance_change;
-  figures["mean_distance"] = measures.mean_distance;
-  figures["normal_error_deg"] = degrees(measures.normal_error);
+  outcome.figures = commands::figures_of(result);
   outcome.lines.push_back(concat(arguments.out, ": ", result.mesh.n_vertices(), " vertices, ",
                                  result.mesh.n_triangles(), " triangles after ", result.report.iterations,
                                  " rounds; ", result.report.feature_edges, " edges kept"));

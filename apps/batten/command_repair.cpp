@@ -1,4 +1,5 @@
 #include "command.hpp"
+#include "commands/repair.hpp"
 #include "model_file.hpp"
 
 #include <memory>
@@ -14,52 +15,14 @@ namespace batten::cli {
 
 namespace {
 
-struct RepairArguments {
-  std::string input, output, weld = "auto", fill_holes = "0";
-  bool orient = false, accept_flaws = false;
+struct RepairArguments : commands::RepairArguments {
+  std::string input, output;
 };
-
-/// Edges of the largest hole that is filled. @throws InvalidInput on anything but all and a number.
-int parse_fill_holes(const std::string& text) {
-  long value = 0;
-  if (text == "all") return kAllHoles;
-  if (!parse_integer(text, value) || value < 0 || value > kAllHoles || (value > 0 && value < 3))
-    throw InvalidInput(concat("--fill-holes must be all, 0 or a number of edges from 3 on, got ", text));
-  return static_cast<int>(value);
-}
-
-void set_weld(const std::string& text, RepairedMeshOptions& options) {
-  options.weld = text != "off";
-  if (text == "auto" || text == "off") return;
-  options.weld_length = parse_length(text);
-  if (!(options.weld_length->value >= 0)) throw InvalidInput("--weld must be at least 0: " + text);
-}
-
-Json figures_of(const RepairedMesh& repaired) {
-  const MendingReport& mended = repaired.mended;
-  Json done = Json::object();
-  done["welded_vertices"] = mended.welded;
-  done["repeated_corners"] = mended.repeated;
-  done["degenerate_faces"] = mended.degenerate;
-  done["doubled_faces"] = mended.doubled;
-  done["t_junctions"] = mended.junctions;
-  done["non_manifold_edges"] = mended.branching;
-  done["split_vertices"] = mended.split_vertices;
-  done["cut_edges"] = mended.cut;
-  done["turned_faces"] = mended.turned;
-  done["unused_vertices"] = mended.unused;
-  done["crossings_removed"] = repaired.crossings_removed;
-  done["holes_filled"] = repaired.n_filled();
-  return done;
-}
 
 Outcome run_repair(const RepairArguments& arguments, Context& context) {
   Outcome outcome;
   mesh_format(arguments.output);
-  RepairedMeshOptions options;
-  set_weld(arguments.weld, options);
-  options.orient = arguments.orient;
-  options.fill_holes = parse_fill_holes(arguments.fill_holes);
+  const RepairedMeshOptions options = options_of(arguments);
   MeshFile input;
   {
     const ScopedStage stage(outcome.times, "read");
@@ -78,30 +41,14 @@ Outcome run_repair(const RepairArguments& arguments, Context& context) {
     const ScopedStage stage(outcome.times, "write");
     write_made_mesh(arguments.output, repaired.mesh, input, false, outcome);
   }
-  Json& figures = outcome.figures;
-  figures["vertices"] = repaired.mesh.n_vertices();
-  figures["faces"] = repaired.mesh.n_triangles();
-  figures["input_vertices"] = mesh.n_vertices();
-  figures["input_faces"] = mesh.n_triangles();
-  figures["components"] = repaired.topology.n_components;
-  figures["watertight"] = repaired.topology.is_watertight();
-  figures["volume"] = repaired.volume ? Json(*repaired.volume) : Json(nullptr);
-  figures["weld_tolerance"] = repaired.mended.tolerance;
-  figures["done"] = figures_of(repaired);
-  Json holes = Json::array();
-  for (const MeshHole& hole : repaired.holes)
-    if (!hole.filled) holes.push_back({{"edges", hole.rim.size()}, {"vertex", hole.rim[0]}});
-  figures["holes"] = holes;
-  Json crossings = Json::array();
-  for (const auto& [f, g] : repaired.crossings) crossings.push_back({f, g});
-  figures["crossings"] = crossings;
-  figures["flaws"] = repaired.flaws;
-  figures["written"] = is_written;
+  outcome.figures = commands::figures_of(mesh, repaired);
+  outcome.figures["written"] = is_written;
 
   for (const std::string& line : repaired.done) outcome.lines.push_back(line);
   if (repaired.done.empty()) outcome.lines.emplace_back("nothing to repair");
-  if (!holes.empty() && options.fill_holes == 0)
-    outcome.lines.push_back(concat(holes.size(), holes.size() == 1 ? " border is" : " borders are",
+  const std::size_t n_holes = outcome.figures["holes"].size();
+  if (n_holes > 0 && options.fill_holes == 0)
+    outcome.lines.push_back(concat(n_holes, n_holes == 1 ? " border is" : " borders are",
                                    " left; --fill-holes N fills those of up to N edges"));
   if (is_written)
     outcome.lines.push_back(concat("wrote ", arguments.output, ": ", repaired.mesh.n_vertices(),
@@ -126,15 +73,20 @@ void add_repair(CLI::App& app) {
       ->add_option("--weld", arguments->weld,
                    "Weld borders that lie within this distance: auto, 0.01mm, 0.001% of the diameter, or off")
       ->check(parses("auto|LENGTH|off", [](const std::string& text) {
-        RepairedMeshOptions options;
-        set_weld(text, options);
+        commands::RepairArguments given;
+        given.weld = text;
+        options_of(given);
       }));
   command->add_flag("--orient", arguments->orient,
                     "Turn closed parts outward, and inward those that lie within another");
   command
       ->add_option("--fill-holes", arguments->fill_holes,
                    "Fill holes of up to N edges by fair surfaces, or all of them; 0 fills none")
-      ->check(parses("N|all", [](const std::string& text) { parse_fill_holes(text); }));
+      ->check(parses("N|all", [](const std::string& text) {
+        commands::RepairArguments given;
+        given.fill_holes = text;
+        options_of(given);
+      }));
   command->add_flag("--accept-flaws", arguments->accept_flaws,
                     "Write the result although not all could be repaired");
 }

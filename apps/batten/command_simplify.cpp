@@ -1,4 +1,5 @@
 #include "command.hpp"
+#include "commands/simplify.hpp"
 #include "model_file.hpp"
 
 #include <algorithm>
@@ -19,51 +20,9 @@ namespace batten::cli {
 
 namespace {
 
-struct SimplifyArguments {
-  std::string input, output, remove, error, method = "quadric", weight = "w3", fidelity = "adaptive";
-  std::string keep_edges = "off", keep_border = "shape", levels_folder;
-  long faces = 0;
-  int levels = 3;
-  bool repair = false;
-  double p = 0.1, alpha = 1, beta = 1, sigma = 0.5;
+struct SimplifyArguments : commands::SimplifyArguments {
+  std::string input, output, levels_folder;
 };
-
-double parse_removed_fraction(const std::string& text) {
-  const double fraction = parse_fraction(text);
-  if (!(fraction > 0 && fraction < 1))
-    throw InvalidInput(concat("must be above 0 % and below 100 %: ", text));
-  return fraction;
-}
-
-Length parse_error_length(const std::string& text) {
-  const Length length = parse_length(text);
-  if (!(length.value > 0)) throw InvalidInput(concat("must be more than 0: ", text));
-  return length;
-}
-
-std::optional<double> parse_fidelity(const std::string& text) {
-  if (text == "adaptive") return std::nullopt;
-  double value = 0;
-  if (!parse_number(text, value) || !(value >= 0 && value < 1e300))
-    throw InvalidInput(concat("takes adaptive or a number of at least 0, got ", text));
-  return value;
-}
-
-double parse_keep_edges(const std::string& text) {
-  if (text == "off") return 0;
-  const double angle = parse_angle(text);
-  if (!(angle > 0 && angle < kPi))
-    throw InvalidInput(concat("takes off or an angle between 0deg and 180deg, got ", text));
-  return angle;
-}
-
-Json side_figures(const DirectedComparison& side, double diameter) {
-  Json figures = Json::object();
-  figures["dmax"] = std::max(side.samples.max, side.vertices.max) / diameter;
-  figures["dmean"] = side.samples.mean / diameter;
-  figures["drms"] = side.samples.rms / diameter;
-  return figures;
-}
 
 /// Level 0 is the input.
 void write_levels(const std::string& folder, const std::vector<TriangleMesh>& levels, Outcome& outcome) {
@@ -83,32 +42,9 @@ void write_levels(const std::string& folder, const std::vector<TriangleMesh>& le
   outcome.figures["levels"] = written;
 }
 
-SimplifiedMeshOptions options_of(const SimplifyArguments& arguments) {
-  SimplifiedMeshOptions options;
-  SimplifyOptions& chosen = options.simplify;
-  chosen.faces = arguments.faces;
-  if (!arguments.remove.empty()) chosen.remove = parse_removed_fraction(arguments.remove);
-  if (!arguments.error.empty()) options.max_error = parse_error_length(arguments.error);
-  chosen.method = parse_choice<SimplifyMethod>(arguments.method);
-  chosen.levels = arguments.levels;
-  chosen.keep_levels = !arguments.levels_folder.empty();
-  chosen.keep_edges = parse_keep_edges(arguments.keep_edges);
-  chosen.hold_border = arguments.keep_border == "exact";
-  chosen.alpha = arguments.alpha;
-  chosen.beta = arguments.beta;
-  chosen.flow.p = arguments.p;
-  chosen.flow.sigma = arguments.sigma;
-  chosen.flow.weight = parse_choice<FlowWeight>(arguments.weight);
-  chosen.flow.fidelity = parse_fidelity(arguments.fidelity);
-  return options;
-}
-
 Outcome run_simplify(const SimplifyArguments& arguments, Context& context) {
   Outcome outcome;
-  const int criteria =
-      (arguments.faces > 0 ? 1 : 0) + (arguments.remove.empty() ? 0 : 1) + (arguments.error.empty() ? 0 : 1);
-  if (criteria != 1)
-    throw CLI::ValidationError("simplify", "give exactly one of --faces, --remove and --error");
+  const SimplifiedMeshOptions options = options_of(arguments);
   mesh_format(arguments.output);  // an unknown extension fails before the work, not after it
   MeshFile input;
   {
@@ -116,7 +52,6 @@ Outcome run_simplify(const SimplifyArguments& arguments, Context& context) {
     input = read_mesh_to_process(arguments.input, outcome.warnings, arguments.repair, context.progress);
   }
   const TriangleMesh& mesh = input.mesh;
-  const SimplifiedMeshOptions options = options_of(arguments);
   const SimplifiedMesh result = simplified_mesh(mesh, options, context.progress);
   add_run(result.times, result.warnings, outcome);
   const TriangleMesh& small = result.simplified.mesh;
@@ -128,20 +63,7 @@ Outcome run_simplify(const SimplifyArguments& arguments, Context& context) {
   }
   const double diameter = result.diameter;
   const Comparison& distances = result.distances;
-  Json& figures = outcome.figures;
-  figures["vertices"] = small.n_vertices();
-  figures["faces"] = small.n_triangles();
-  figures["input_vertices"] = mesh.n_vertices();
-  figures["input_faces"] = mesh.n_triangles();
-  figures["removed"] = result.removed;
-  figures["collapses"] = result.simplified.collapses;
-  figures["diameter"] = diameter;
-  figures["input_to_result"] = side_figures(distances.a_to_b, diameter);
-  figures["result_to_input"] = side_figures(distances.b_to_a, diameter);
-  figures["min_angle_deg"] = degrees(result.quality.min_angle);
-  figures["mean_min_angle_deg"] = degrees(result.quality.mean_min_angle);
-  figures["input_self_intersections"] = result.input_crossings;
-  figures["self_intersections"] = result.crossings;
+  commands::append(commands::figures_of(mesh, result), outcome.figures);
   outcome.lines.push_back(concat(arguments.output, ": ", small.n_vertices(), " vertices, ",
                                  small.n_triangles(), " faces (of ", mesh.n_triangles(), ")"));
   outcome.lines.push_back(
@@ -160,19 +82,21 @@ void add_simplify(CLI::App& app) {
   auto arguments = std::make_shared<SimplifyArguments>();
   CLI::App* command =
       add_command(app, "simplify", "Reduce the number of triangles of a mesh.",
-                  "batten simplify igea.ply -o small.ply --remove 95%",
-                  [arguments](Context& context) { return run_simplify(*arguments, context); });
+                  "batten simplify igea.ply -o small.ply --remove 95%", [arguments](Context& context) {
+                    arguments->keep_all_levels = !arguments->levels_folder.empty();
+                    return run_simplify(*arguments, context);
+                  });
   command->add_option("IN", arguments->input, "Mesh (PLY, OBJ, OFF, STL)")->required();
   command->add_option("-o,--output", arguments->output, "Mesh to write; its extension decides the format")
       ->required();
   command->add_option("--faces", arguments->faces, "Keep at most this many faces")
       ->check(CLI::PositiveNumber);
   command->add_option("--remove", arguments->remove, "Remove this share of the faces (95%)")
-      ->check(parses("FRACTION", parse_removed_fraction));
+      ->check(parses("FRACTION", commands::parse_removed_fraction));
   command
       ->add_option("--error", arguments->error,
                    "Stay within this distance of the input, in both directions (2mm, 0.5%)")
-      ->check(parses("LENGTH", parse_error_length));
+      ->check(parses("LENGTH", commands::parse_error_length));
   command->add_option("--levels", arguments->levels, "Levels of plaplacian and of --keep-all-levels")
       ->check(CLI::Range(1, 100));
   command->add_option("--method", arguments->method, "Which edges go: quadric or plaplacian (H 2.4)")
@@ -180,7 +104,7 @@ void add_simplify(CLI::App& app) {
   command
       ->add_option("--keep-edges", arguments->keep_edges,
                    "Edges sharper than this angle stay edges (30deg), or off: as the error asks for it")
-      ->check(parses("ANGLE|off", parse_keep_edges));
+      ->check(parses("ANGLE|off", commands::parse_kept_angle));
   command
       ->add_option(
           "--keep-border", arguments->keep_border,
@@ -197,7 +121,7 @@ void add_simplify(CLI::App& app) {
   command->add_option("--sigma", arguments->sigma, "plaplacian: width of w3; smaller keeps sharper features")
       ->check(CLI::PositiveNumber);
   command->add_option("--fidelity", arguments->fidelity, "plaplacian: adaptive, or one number for all")
-      ->check(parses("adaptive|NUMBER", parse_fidelity));
+      ->check(parses("adaptive|NUMBER", commands::parse_fidelity));
   command->add_option("--keep-all-levels", arguments->levels_folder,
                       "Folder for the mesh of every level with its map to the next coarser one");
   add_repair_flag(*command, arguments->repair);

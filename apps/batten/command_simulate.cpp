@@ -1,12 +1,11 @@
 #include "command.hpp"
+#include "commands/simulate.hpp"
+#include "commands/words.hpp"
 #include "pen_arguments.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <memory>
-#include <optional>
 #include <string>
-#include <vector>
+#include <utility>
 
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
@@ -17,31 +16,13 @@
 #include "batten/io/scan_io.hpp"
 #include "batten/io/sensor_log_io.hpp"
 #include "batten/io/standard_streams.hpp"
-#include "batten/simulation/mesh_sections.hpp"
-#include "batten/simulation/shapes.hpp"
-#include "batten/simulation/simulate.hpp"
-#include "batten/simulation/simulate_device.hpp"
 
 namespace batten::cli {
 
 namespace {
 
-struct SimulateArguments {
-  std::string object, output, truth, truth_network, tumble, axes = "x,y,z";
-  std::uint64_t seed = 0;
-  std::string step = "0.6%", orientation_noise = "0", drift = "0", drift_length = "15%", odometer_error = "0",
-              outliers = "0", disturbance = "0", curve_length_error = "0", truth_step = "0.05%",
-              truth_edge = "0.3%";
-  double jitter = SimulateOptions().jitter;
-  double sensor_noise = 1;
-  int dwell = SimulateOptions().dwell;
-  int planes = MeshSectionOptions().planes;
-  std::string speed_variation = "0", nodes = "numbered";
-  bool raw = false;
-  bool distortion = true;
-  bool gyroscope = false;
-  GyroscopeOptions gyroscope_errors;
-  std::string gyroscope_bias, gyroscope_walk, gyroscope_scale, gyroscope_misalignment, gyroscope_temperature;
+struct SimulateArguments : commands::SimulateArguments {
+  std::string object, output, truth, truth_network, tumble;
   SimulatePenArguments pen;
 };
 
@@ -63,77 +44,17 @@ CLI::Validator fraction_text() {
   });
 }
 
-/// A length as a fraction of the diameter.
-double relative_length(const std::string& text, double diameter) {
-  return parse_length(text).in_file_units(diameter) / diameter;
-}
-
-/// The options that do not depend on the object. @throws CLI::ValidationError when one is out of range.
-SimulateOptions options_of(const SimulateArguments& arguments) {
-  SimulateOptions options;
-  options.seed = arguments.seed;
-  options.jitter = arguments.jitter;
-  options.dwell = arguments.dwell;
-  options.orientation_noise = parse_angle(arguments.orientation_noise);
-  options.drift = parse_angle(arguments.drift);
-  options.odometer_error = parse_fraction(arguments.odometer_error);
-  options.outliers = parse_fraction(arguments.outliers);
-  options.disturbance = parse_angle(arguments.disturbance);
-  options.curve_length_error = parse_fraction(arguments.curve_length_error);
-  options.speed_variation = parse_fraction(arguments.speed_variation);
-  if (const auto problem = options.problem()) throw CLI::ValidationError(*problem);
-  return options;
-}
-
-/// The gyroscope that was asked for. @throws CLI::ValidationError when an option is out of range.
-GyroscopeOptions gyroscope_of(const SimulateArguments& arguments, double noise) {
-  GyroscopeOptions options = arguments.gyroscope_errors;
-  const auto angle = [](const std::string& text, double& value) {
-    if (!text.empty()) value = parse_angle(text);
-  };
-  angle(arguments.gyroscope_bias, options.bias);
-  angle(arguments.gyroscope_walk, options.walk);
-  angle(arguments.gyroscope_misalignment, options.misalignment);
-  angle(arguments.gyroscope_temperature, options.temperature);
-  if (!arguments.gyroscope_scale.empty()) options.scale = parse_fraction(arguments.gyroscope_scale);
-  options.noise = noise;
-  if (const auto problem = options.problem()) throw CLI::ValidationError(*problem);
-  return options;
-}
-
-struct SimulatedObject {
-  TracedNetwork traced;
-  std::optional<TriangleMesh> mesh;  // of a mesh file
-  std::optional<AnalyticShape> shape;
-};
-
-SimulatedObject load_object(const SimulateArguments& arguments, Outcome& outcome) {
-  SimulatedObject object;
-  if (const auto shape = choices_of(AnalyticShape{}).find(arguments.object)) {
-    object.shape = *shape;
-    object.traced = trace_shape(*shape);
-    return object;
-  }
-  if (arguments.object.find('.') == std::string::npos) {
-    std::string names;
-    for (const std::string& name : choice_words<AnalyticShape>()) names += (names.empty() ? "" : ", ") + name;
-    throw CLI::ValidationError(
-        concat("'", arguments.object, "' is neither a shape (", names, ") nor a mesh file"));
-  }
-  object.mesh = read_mesh(arguments.object, &outcome.warnings);
-  MeshSectionOptions options;
-  options.planes = arguments.planes;
-  options.axes.clear();
-  for (const std::string_view axis : split_fields(arguments.axes, ',')) options.axes += axis;
-  if (const auto problem = options.problem()) throw CLI::ValidationError(*problem);
+commands::SimulatedObject load_object(const SimulateArguments& arguments, Outcome& outcome) {
+  if (choices_of(AnalyticShape{}).find(arguments.object) || arguments.object.find('.') == std::string::npos)
+    return commands::traced_shape(arguments.object);
+  TriangleMesh mesh = read_mesh(arguments.object, &outcome.warnings);
   try {
-    object.traced = trace_mesh(*object.mesh, options);
-  } catch (const FileError&) {
+    return commands::traced_mesh(std::move(mesh), arguments);
+  } catch (const commands::UsageError&) {
     throw;
   } catch (const InvalidInput& error) {
     throw FileError(arguments.object, 0, error.what());
   }
-  return object;
 }
 
 void check_outputs(const SimulateArguments& arguments, Outcome& outcome) {
@@ -144,12 +65,7 @@ void check_outputs(const SimulateArguments& arguments, Outcome& outcome) {
     outcome.warnings.push_back(concat(arguments.output,
                                       " is a sensor log in comma-separated values; .csv tells "
                                       "so"));
-  if (arguments.gyroscope && !arguments.raw)
-    throw CLI::ValidationError("--gyroscope needs --raw: a scan of orientations has no gyroscope");
-  if (arguments.nodes != "numbered" && arguments.raw)
-    throw CLI::ValidationError("--nodes is for scans of orientations: logs of --raw number their nodes");
-  if (!arguments.tumble.empty() && !arguments.raw)
-    throw CLI::ValidationError("--tumble needs --raw: a scan of orientations has no sensors to calibrate");
+  check_arguments(arguments, !arguments.tumble.empty());
   try {
     if (!arguments.truth.empty()) mesh_format(arguments.truth);
     if (!arguments.truth_network.empty()) network_format(arguments.truth_network);
@@ -158,62 +74,19 @@ void check_outputs(const SimulateArguments& arguments, Outcome& outcome) {
   }
 }
 
-void write_truth(const SimulateArguments& arguments, const SimulatedObject& object, Outcome& outcome) {
-  const double diameter = object.traced.diameter;
+void write_truth(const SimulateArguments& arguments, const commands::SimulatedObject& object,
+                 Outcome& outcome) {
   if (!arguments.truth_network.empty()) {
-    const double step = parse_length(arguments.truth_step).in_file_units(diameter);
-    const CurveNetwork network = truth_network(object.traced, step);
+    const CurveNetwork network = true_network(arguments, object);
     write_network(arguments.truth_network, network);
     outcome.figures["truth_network_vertices"] = network.positions.rows();
     outcome.lines.push_back(concat("true network: ", arguments.truth_network));
   }
   if (arguments.truth.empty()) return;
-  const TriangleMesh mesh =
-      object.mesh ? *object.mesh : shape_mesh(*object.shape, relative_length(arguments.truth_edge, diameter));
+  const TriangleMesh mesh = true_mesh(arguments, object);
   write_mesh(arguments.truth, mesh);
   outcome.figures["truth_faces"] = mesh.n_triangles();
   outcome.lines.push_back(concat("true surface: ", arguments.truth));
-}
-
-/// Leaves out the numbers of the nodes, or the nodes altogether: a device that only rests there.
-void leave_out_numbers(const std::string& nodes, Scan& scan) {
-  for (ScanCurve& curve : scan.curves) {
-    if (nodes == "stays") std::fill(curve.node_ids.begin(), curve.node_ids.end(), kNoNodeNumber);
-    if (nodes != "none") continue;
-    curve.node_readings.clear();
-    curve.node_ids.clear();
-  }
-}
-
-void add_figures(Json& figures, const SimulatedObject& object, const SimulatedScan& simulated) {
-  const Scan& scan = simulated.scan;
-  Eigen::Index readings = 0;
-  size_t segments = 0;
-  int boundary_curves = 0;
-  double length = 0;
-  for (size_t c = 0; c < scan.curves.size(); ++c) {
-    const ScanCurve& curve = scan.curves[c];
-    readings += curve.n_readings();
-    segments += std::max<size_t>(curve.node_ids.size(), 2) - 1;
-    boundary_curves += curve.boundary ? 1 : 0;
-    length += object.traced.curves[c].path->length();
-  }
-  figures["curves"] = scan.curves.size();
-  figures["nodes"] = object.traced.node_positions.rows();
-  figures["segments"] = segments;
-  figures["boundary_curves"] = boundary_curves;
-  figures["readings"] = readings;
-  figures["diameter"] = object.traced.diameter;
-  figures["length"] = length;
-  const SimulateReport& report = simulated.report;
-  Json drawn = Json::object();
-  drawn["orientation_noise_deg"] = degrees(report.rms_orientation_noise);
-  drawn["drift_deg"] = degrees(report.rms_drift);
-  drawn["distance_factors"] = report.distance_factors;
-  drawn["outliers"] = report.n_outliers;
-  drawn["disturbed_curve"] = report.disturbed_curve < 0 ? Json(nullptr) : Json(report.disturbed_curve + 1);
-  if (report.disturbed_curve >= 0) drawn["disturbed_at"] = report.disturbed_centre;
-  figures["drawn"] = drawn;
 }
 
 Outcome run_simulate(const SimulateArguments& arguments, const Progress& progress) {
@@ -221,55 +94,33 @@ Outcome run_simulate(const SimulateArguments& arguments, const Progress& progres
     return run_simulate_pen(arguments.pen, arguments.output, arguments.truth, arguments.seed, progress);
   Outcome outcome;
   check_outputs(arguments, outcome);
-  SimulateOptions options = options_of(arguments);
-  SimulatedObject object;
+  commands::SimulatedObject object;
   {
     const ScopedStage stage(outcome.times, "trace");
     object = load_object(arguments, outcome);
   }
-  const double diameter = object.traced.diameter;
-  options.step = relative_length(arguments.step, diameter);
-  options.drift_length = relative_length(arguments.drift_length, diameter);
-  if (const auto problem = options.problem()) throw CLI::ValidationError(*problem);
   outcome.warnings.insert(outcome.warnings.end(), object.traced.warnings.begin(),
                           object.traced.warnings.end());
 
-  SimulatedScan simulated;
-  std::optional<SensorLog> log;
-  std::optional<SensorLog> tumble;
+  commands::Simulation made;
   {
     const ScopedStage stage(outcome.times, "simulate");
-    simulated = simulate_scan(object.traced, options);
-    if (arguments.raw) {
-      DeviceModel device = make_device(arguments.seed, arguments.sensor_noise);
-      if (!arguments.distortion) {
-        DeviceModel ideal;
-        ideal.accelerometer_noise = device.accelerometer_noise;
-        ideal.magnetometer_noise = device.magnetometer_noise;
-        ideal.gyroscope_noise = device.gyroscope_noise;
-        ideal.knocks = device.knocks;
-        device = ideal;
-      }
-      if (arguments.gyroscope)
-        add_gyroscope(device, gyroscope_of(arguments, device.gyroscope_noise), arguments.seed);
-      log = simulate_log(object.traced, simulated, device, arguments.seed);
-      if (!arguments.tumble.empty()) tumble = simulate_tumble(device, arguments.seed);
-    }
+    made = simulate(arguments, object, !arguments.tumble.empty());
   }
   const ScopedStage stage(outcome.times, "write");
-  add_figures(outcome.figures, object, simulated);
+  outcome.figures = commands::figures_of(object, made.simulated);
   outcome.figures["output"] = arguments.output;
-  outcome.lines.push_back(concat(simulated.scan.curves.size(), " curves, ", outcome.figures["nodes"].dump(),
-                                 " nodes, ", outcome.figures["readings"].dump(),
-                                 " readings: ", arguments.output));
-  if (log) {
-    write_sensor_log(*log, arguments.output);
+  outcome.lines.push_back(concat(made.simulated.scan.curves.size(), " curves, ",
+                                 outcome.figures["nodes"].dump(), " nodes, ",
+                                 outcome.figures["readings"].dump(), " readings: ", arguments.output));
+  if (made.log) {
+    write_sensor_log(*made.log, arguments.output);
   } else {
-    leave_out_numbers(arguments.nodes, simulated.scan);
-    write_rawnet(simulated.scan, arguments.output);
+    commands::leave_out_numbers(arguments.nodes, made.simulated.scan);
+    write_rawnet(made.simulated.scan, arguments.output);
   }
-  if (tumble) {
-    write_sensor_log(*tumble, arguments.tumble);
+  if (made.tumble) {
+    write_sensor_log(*made.tumble, arguments.tumble);
     outcome.lines.push_back(concat("tumbling recording: ", arguments.tumble));
   }
   write_truth(arguments, object, outcome);
@@ -281,7 +132,7 @@ void add_gyroscope_options(CLI::App& command, SimulateArguments& a) {
       "--gyroscope", a.gyroscope,
       "With --raw: a gyroscope that is read all the time, in rows of its own, also between the curves");
   const auto needs = [&](CLI::Option* option) { return option->needs(gyroscope); };
-  needs(command.add_option("--gyroscope-rate", a.gyroscope_errors.rate, "Its readings per second"))
+  needs(command.add_option("--gyroscope-rate", a.gyroscope_rate, "Its readings per second"))
       ->check(CLI::Range(1.0, 10000.0));
   needs(command.add_option("--gyroscope-bias", a.gyroscope_bias,
                            "Spread of its bias, an angle per second (0.57deg)"))
@@ -297,7 +148,7 @@ void add_gyroscope_options(CLI::App& command, SimulateArguments& a) {
   needs(command.add_option("--gyroscope-temperature", a.gyroscope_temperature,
                            "Spread of the change of the bias per kelvin, an angle per second (0.029deg)"))
       ->check(angle_text());
-  needs(command.add_option("--gyroscope-warming", a.gyroscope_errors.warming,
+  needs(command.add_option("--gyroscope-warming", a.gyroscope_warming,
                            "By how many kelvins the device grows warmer, within some minutes"))
       ->check(CLI::Range(0.0, 100.0));
 }

@@ -1,9 +1,9 @@
 #include "command.hpp"
+#include "commands/subdivide.hpp"
 #include "step_output.hpp"
 
 #include <memory>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -19,25 +19,9 @@ namespace batten::cli {
 
 namespace {
 
-struct SubdivideArguments {
-  std::string cage, output, scheme = "catmull-clark", corners = "sharp", step, step_tolerance = "0.001%",
-                            unit = "m";
-  int levels = 3;
-  double knots = 0.5;
-  bool limit = false;
+struct SubdivideArguments : commands::SubdivideArguments {
+  std::string cage, output, step, step_tolerance = "0.001%", unit = "m";
 };
-
-/// The schemes of a list such as "nulissmod,catmull-clark". @throws InvalidInput.
-std::vector<SubdivisionScheme> parse_schemes(const std::string& text) {
-  std::vector<SubdivisionScheme> schemes;
-  for (const std::string_view name : split_fields(text, ',')) {
-    const auto scheme = choices_of(SubdivisionScheme{}).find(name);
-    if (!scheme)
-      throw InvalidInput(concat("'", name, "' is no scheme; use catmull-clark, nuliss, nulissmod or linear"));
-    schemes.push_back(*scheme);
-  }
-  return schemes;
-}
 
 void check_arguments(const SubdivideArguments& arguments) {
   if (arguments.output.empty() && arguments.step.empty())
@@ -45,7 +29,7 @@ void check_arguments(const SubdivideArguments& arguments) {
   if (!arguments.output.empty()) mesh_format(arguments.output);
   if (!arguments.step.empty()) {
     cad_format_of(arguments.step);
-    if (parse_schemes(arguments.scheme).back() != SubdivisionScheme::CatmullClark)
+    if (commands::parse_schemes(arguments.scheme).back() != SubdivisionScheme::CatmullClark)
       throw CLI::ValidationError("--step",
                                  "writes the limit surface of Catmull-Clark; the other schemes have no "
                                  "B-splines as their limit. Let --scheme end in catmull-clark");
@@ -53,15 +37,9 @@ void check_arguments(const SubdivideArguments& arguments) {
   }
 }
 
-SubdividedCageOptions options_of(const SubdivideArguments& arguments) {
-  SubdividedCageOptions options;
-  options.first_schemes = parse_schemes(arguments.scheme);
-  options.subdivision.scheme = options.first_schemes.back();
-  options.first_schemes.pop_back();
-  options.subdivision.levels = arguments.levels;
-  options.subdivision.limit = arguments.limit;
-  options.subdivision.smooth_corners = arguments.corners == "smooth";
-  options.subdivision.knot_exponent = arguments.knots;
+/// With what is to be written.
+SubdividedCageOptions all_options(const SubdivideArguments& arguments) {
+  SubdividedCageOptions options = options_of(arguments);
   options.refine = !arguments.output.empty();
   if (!arguments.step.empty()) {
     options.patches.emplace();
@@ -72,21 +50,8 @@ SubdividedCageOptions options_of(const SubdivideArguments& arguments) {
   return options;
 }
 
-void report_cage(const SubdividedCage& result, Json& figures) {
-  figures["cage_vertices"] = result.n_vertices;
-  figures["cage_faces"] = result.n_faces;
-  figures["sharp_edges"] = result.n_sharp_edges;
-  figures["sharp_vertices"] = result.n_sharp_vertices;
-  figures["polylines"] = result.n_polylines;
-  figures["components"] = result.topology.n_components;
-  figures["boundary_loops"] = result.topology.n_boundary_loops;
-  if (const auto genus = result.topology.genus()) figures["genus"] = *genus;
-}
-
 void write_refined(const SubdivideArguments& arguments, RefinedCage refined, Outcome& outcome) {
   const PolygonMesh& mesh = refined.cage.mesh;
-  outcome.figures["vertices"] = mesh.positions.rows();
-  outcome.figures["faces"] = mesh.n_faces();
   {
     const ScopedStage stage(outcome.times, "write");
     if (!holds_polygons(mesh_format(arguments.output)))
@@ -133,9 +98,9 @@ Outcome run_subdivide(const SubdivideArguments& arguments, const Context& contex
   }
   if (!arguments.output.empty() && !holds_polygons(mesh_format(arguments.output)))
     outcome.warnings.emplace_back("this format holds triangles only: every quad was split into two");
-  SubdividedCage result = subdivided_cage(cage, options_of(arguments), context.progress);
+  SubdividedCage result = subdivided_cage(cage, all_options(arguments), context.progress);
   add_run(result.times, result.warnings, outcome);
-  report_cage(result, outcome.figures);
+  outcome.figures = commands::figures_of(result);
   if (result.refined) write_refined(arguments, std::move(*result.refined), outcome);
   if (result.patches) write_patches(arguments, *result.patches, outcome);
   return outcome;
@@ -155,7 +120,7 @@ void add_subdivide(CLI::App& app) {
   command
       ->add_option("--scheme", arguments->scheme,
                    "catmull-clark, nuliss, nulissmod or linear; a list: each but the last makes one level")
-      ->check(parses("SCHEME", [](const std::string& text) { parse_schemes(text); }));
+      ->check(parses("SCHEME", [](const std::string& text) { commands::parse_schemes(text); }));
   command->add_option("--levels", arguments->levels, "Levels of refinement, 0 to 12")
       ->check(CLI::Range(0, 12));
   command->add_flag("--limit", arguments->limit, "Move the vertices onto the limit surface");

@@ -8,8 +8,6 @@
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
 #include "batten/io/network_io.hpp"
-#include "batten/mesh/distance.hpp"
-#include "batten/pipeline/shape_comparison.hpp"
 
 namespace batten::cli {
 
@@ -27,27 +25,16 @@ struct Arguments {
 NetworkUncertainty uncertainty_of(const std::string& path, const CurveNetwork& read,
                                   const CurveNetwork& mended, Outcome& outcome) {
   const Eigen::VectorXd deviations = read_network_uncertainty(path);
-  if (deviations.size() == 0) {
+  if (deviations.size() == 0)
     outcome.warnings.push_back(concat(path,
                                       ": does not say how sure its curves are; they are taken as exact, "
                                       "and only what lies between them as unsure"));
-    return {Eigen::VectorXd::Zero(mended.positions.rows()), {}};
-  }
-  if (mended.positions.rows() == read.positions.rows()) return {deviations, {}};
-  const Segments segments = batten::shape_of(read).segments;
-  const std::vector<ClosestPoint> closest = SegmentTree(read.positions, segments).closest(mended.positions);
-  Eigen::VectorXd carried(mended.positions.rows());
-  for (Eigen::Index v = 0; v < carried.size(); ++v) {
-    const ClosestPoint& at = closest[static_cast<std::size_t>(v)];
-    carried[v] = at.weights[0] * deviations[segments(at.element, 0)] +
-                 at.weights[1] * deviations[segments(at.element, 1)];
-  }
-  return {carried, {}};
+  return commands::carried_uncertainty(deviations, read, mended);
 }
 
 Outcome run_surface(const Arguments& arguments, const Context& context) {
   check_surface_output(arguments.surface);
-  const NetworkSurfaceOptions options = surface_options(arguments.surface);
+  const NetworkSurfaceOptions options = options_of(arguments.surface);
   Outcome outcome;
   CurveNetwork curves;
   {

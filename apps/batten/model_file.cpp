@@ -1,5 +1,7 @@
 #include "model_file.hpp"
 
+#include "commands/mesh_file.hpp"
+
 #include <cstring>
 #include <string_view>
 
@@ -10,7 +12,6 @@
 #include "batten/io/network_io.hpp"
 #include "batten/io/standard_streams.hpp"
 #include "batten/pipeline/mesh_input.hpp"
-#include "batten/pipeline/repaired_mesh.hpp"
 #include "batten/pipeline/shape_comparison.hpp"
 
 namespace batten::cli {
@@ -63,35 +64,13 @@ MeshFile read_mesh_to_process(const std::string& path, std::vector<std::string>&
                               const Progress& progress) {
   MeshFile file = read_mesh_file(path, &warnings);
   if (const auto problem = mesh_problem(file.mesh)) throw InvalidInput(concat(path, ": ", *problem));
-  prepare_mesh(path, file, warnings, repair, progress);
+  commands::prepare_mesh(path, file, warnings, repair, progress);
   return file;
-}
-
-void prepare_mesh(const std::string& path, MeshFile& file, std::vector<std::string>& warnings, bool repair,
-                  const Progress& progress) {
-  if (!repair) {
-    if (file.mesh.n_vertices() < file.mesh.n_triangles()) return;  // no soup
-    TriangleMesh welded = file.mesh;
-    const auto note = weld_soup(welded);
-    if (!note) return;
-    warnings.push_back(concat(path, ": ", *note));
-    if (welded.n_triangles() != file.mesh.n_triangles())
-      file.attributes = carried_attributes(file, welded, warnings, progress);
-    file.mesh = std::move(welded);
-    return;
-  }
-  RepairedMesh repaired = repaired_mesh(file.mesh, {}, progress);
-  file.attributes = carried_attributes(file, repaired.mesh, warnings, progress);
-  file.mesh = std::move(repaired.mesh);
-  for (const std::string& done : repaired.done) warnings.push_back(concat(path, " repaired: ", done));
-  for (const std::string& flaw : repaired.flaws) warnings.push_back(concat(path, " not repaired: ", flaw));
 }
 
 void write_made_mesh(const std::string& path, TriangleMesh mesh, const MeshFile& input, bool same_faces,
                      Outcome& outcome) {
-  MeshFile made{std::move(mesh), {}};
-  made.attributes =
-      same_faces ? input.attributes : carried_attributes(input, made.mesh, outcome.warnings, {});
+  const MeshFile made = commands::made_file(std::move(mesh), input, same_faces, outcome.warnings);
   for (const std::string& loss : losses_in_format(made.attributes, mesh_format(path)))
     outcome.warnings.push_back(concat(path, ": ", loss));
   write_mesh_file(path, made);

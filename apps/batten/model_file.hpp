@@ -33,10 +33,6 @@ Model read_model(const std::string& path, std::vector<std::string>& warnings);
 MeshFile read_mesh_to_process(const std::string& path, std::vector<std::string>& warnings, bool repair,
                               const Progress& progress);
 
-/// The same for a mesh that has been read.
-void prepare_mesh(const std::string& path, MeshFile& file, std::vector<std::string>& warnings, bool repair,
-                  const Progress& progress);
-
 /// Writes a mesh made of `input` with the attributes of that: as they are where `same_faces`, else those of
 /// carried_attributes(). What is dropped on the way and what the format cannot hold of them is told.
 void write_made_mesh(const std::string& path, TriangleMesh mesh, const MeshFile& input, bool same_faces,

@@ -1,5 +1,6 @@
 #pragma once
 #include "command.hpp"
+#include "commands/network.hpp"
 
 #include <optional>
 #include <string>
@@ -10,20 +11,12 @@
 namespace batten::cli {
 
 /// The way from a scan to a network, as `network` and `reconstruct` share it.
-struct NetworkArguments {
-  std::string input, output, calibration, columns;
-  std::string nodes = "given", numbered;
-  std::string step = "1.6%", weights = "auto", energy = "scaled", robust = "on", scheme = "midpoint",
-              lengths = "measured";
-  double xi = 10000;
-  bool uncertainty = false;
+struct NetworkArguments : commands::NetworkArguments {
+  std::string input, output, calibration, columns, numbered;
 };
 
 /// Adds the scan and every option but the outputs.
 void add_network_options(CLI::App& command, NetworkArguments& arguments);
-
-/// @throws CLI::ValidationError, InvalidInput on values that do not go together or do not parse.
-ScanOptions scan_options(const NetworkArguments& arguments);
 
 /// Reads the scan, with its calibration where one is given, and finds the numbers of its nodes where that is
 /// wanted; they and what is doubtful about them go to `outcome`, with warnings and time.

@@ -1,5 +1,6 @@
 #pragma once
 #include "command.hpp"
+#include "commands/surface.hpp"
 
 #include <string>
 
@@ -9,15 +10,12 @@
 namespace batten::cli {
 
 /// The way from curves without normals to a network with patches, as `surface` goes it.
-struct StrokeArguments {
-  std::string weld = "auto", reach = "3%", step = "1.5%", network;
+struct StrokeArguments : commands::StrokeArguments {
+  std::string network;  ///< where to write it, or empty
 };
 
 /// Adds the options; all but --weld apply to networks without normals only.
 void add_stroke_options(CLI::App& command, StrokeArguments& arguments);
-
-/// @param diameter of the strokes. @throws InvalidInput on values that do not parse.
-StrokeNetworkOptions stroke_options(const StrokeArguments& arguments, double diameter);
 
 /// Adds what the strokes amount to: counts of strokes, dangling ends, near misses and of what was mended, a
 /// line of them, warnings and times.

@@ -11,37 +11,11 @@
 
 namespace batten::cli {
 
-namespace {
-
-int parse_rebuilds(const std::string& text) {
-  long value = 0;
-  if (text == "auto") return -1;
-  if (!parse_integer(text, value) || value < 0 || value > 20)
-    throw InvalidInput("--rebuilds takes auto or 0 to 20, got " + text);
-  return static_cast<int>(value);
-}
-
-}  // namespace
-
 void check_surface_output(const SurfaceArguments& arguments) {
   if (!is_cad_file(arguments.output))
     mesh_format(arguments.output);
   else
     require_step();
-}
-
-NetworkSurfaceOptions surface_options(const SurfaceArguments& arguments) {
-  NetworkSurfaceOptions options;
-  options.surface.rebuilds = parse_rebuilds(arguments.rebuilds);
-  options.surface.method = parse_choice<SurfaceMethod>(arguments.method);
-  options.surface.map = parse_choice<PatchMap>(arguments.map);
-  options.surface.soft_constraints = arguments.constraints == "soft";
-  options.surface.soft_weight = arguments.soft_weight;
-  options.surface.base_order = arguments.base_order;
-  options.surface.max_triangles = arguments.max_triangles;
-  if (arguments.edge_length != "auto") options.edge_length = parse_length(arguments.edge_length);
-  options.flatten_crossings = arguments.crossings == "flatten";
-  return options;
 }
 
 void report_surface(const SurfaceArguments& arguments, NetworkSurface surface, const CurveNetwork& network,
@@ -67,32 +41,9 @@ void report_surface(const SurfaceArguments& arguments, NetworkSurface surface, c
   const MeshTopology& topology = surface.topology;
   const MeshQuality& quality = surface.quality;
   const auto genus = topology.genus();
-  Json& figures = outcome.figures;
-  figures["curves"] = surface.n_curves;
-  figures["nodes"] = surface.n_nodes;
-  figures["segments"] = surface.n_segments;
-  figures["cycles"] = surface.n_cycles;
-  figures["components"] = topology.n_components;
-  figures["boundary_loops"] = topology.n_boundary_loops;
-  figures["vertices"] = topology.n_vertices;
-  figures["faces"] = topology.n_triangles;
-  figures["genus"] = genus ? Json(*genus) : Json(nullptr);
-  figures["euler_characteristic"] = topology.euler_characteristic;
-  figures["watertight"] = topology.is_watertight();
-  figures["diameter"] = surface.diameter;
-  figures["method"] = arguments.method;
-  figures["rebuilds"] = surface.rebuilds;
-  figures["last_move"] = surface.last_move;
-  figures["patches_in_space"] = surface.patches_in_space;
-  if (surface.flattening) figures["flattened_patches"] = surface.flattening->patches.size();
-  figures["folded_faces"] = surface.folded_triangles;
-  figures["degenerate_faces"] = surface.degenerate_triangles;
-  figures["self_intersections"] = surface.crossing_pairs;
-  figures["min_angle_deg"] = degrees(quality.min_angle);
-  figures["mean_edge"] = quality.mean_edge;
-  figures["flaws"] = surface.flaws;
-  figures["written"] = is_written;
-  figures["output"] = arguments.output;
+  commands::append(commands::figures_of(arguments, surface), outcome.figures);
+  outcome.figures["written"] = is_written;
+  outcome.figures["output"] = arguments.output;
 
   outcome.lines.push_back(concat(arguments.output, ": ", topology.n_vertices, " vertices, ",
                                  topology.n_triangles, " triangles over ", surface.n_cycles, " patches"));
@@ -119,7 +70,7 @@ void add_surface_options(CLI::App& command, SurfaceArguments& arguments) {
   command
       .add_option("--rebuilds", arguments.rebuilds,
                   "Rebuilds of the Laplacian from the solved mesh: auto, or 0 to 20")
-      ->check(parses("auto|NUMBER", [](const std::string& text) { parse_rebuilds(text); }));
+      ->check(parses("auto|NUMBER", [](const std::string& text) { commands::parse_rebuilds(text); }));
   command
       .add_option("--method", arguments.method,
                   "curvature (default), or a baseline: harmonic, biharmonic, triharmonic, biharmonic-normals")

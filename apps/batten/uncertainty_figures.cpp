@@ -1,21 +1,19 @@
 #include "uncertainty_figures.hpp"
 
-#include <vector>
+#include "commands/uncertainty.hpp"
 
-#include "batten/core/statistics.hpp"
 #include "batten/core/text.hpp"
 
 namespace batten::cli {
 
 void report_uncertainty(const Points& positions, const Eigen::VectorXd& deviations, Outcome& outcome) {
-  std::vector<double> values(deviations.begin(), deviations.end());
-  Eigen::Index worst = 0;
-  const double most = deviations.maxCoeff(&worst), middle = median(values), high = percentile(values, 0.95);
-  const Eigen::RowVector3d place = positions.row(worst);
-  outcome.figures["uncertainty"] = {
-      {"median", middle}, {"p95", high}, {"max", most}, {"at", {place[0], place[1], place[2]}}};
-  outcome.lines.push_back(concat("standard deviation: median ", middle, ", 95 % below ", high, ", most ",
-                                 most, " at (", place[0], ", ", place[1], ", ", place[2], ")"));
+  const Json figures = commands::uncertainty_json(positions, deviations);
+  const Json& place = figures["at"];
+  outcome.figures["uncertainty"] = figures;
+  const auto number = [&](const char* key) { return figures[key].get<double>(); };
+  outcome.lines.push_back(concat("standard deviation: median ", number("median"), ", 95 % below ",
+                                 number("p95"), ", most ", number("max"), " at (", place[0].get<double>(),
+                                 ", ", place[1].get<double>(), ", ", place[2].get<double>(), ")"));
 }
 
 }  // namespace batten::cli
