@@ -15,6 +15,8 @@ function(batten_room)
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${ROOM_NAME})
   if(NOT EMSCRIPTEN)  # one module, nothing to be moved: code that could be is larger and slower there
     set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+    # A section for every function: who links a few of them (-Wl,--gc-sections) leaves out the others of a batch.
+    target_compile_options(${target} PRIVATE -ffunction-sections -fdata-sections)
   endif()
   target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src>
                                               $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)

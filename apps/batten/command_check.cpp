@@ -1,4 +1,5 @@
 #include "command.hpp"
+#include "commands/check.hpp"
 #include "model_file.hpp"
 
 #include <algorithm>
@@ -26,28 +27,9 @@ constexpr double kObliqueness = 0.7;
 /// About so many across the picture.
 constexpr double kStripes = 10;
 
-struct CheckArguments {
-  std::string surface, network, continuity = "g1", tolerance = "0.5deg", pictures;
-  double gap = 0.1, curvature = 10, distance = 1;  // per cent
+struct CheckArguments : commands::CheckArguments {
+  std::string surface, network, pictures;
 };
-
-Json curve_json(const CheckedCurve& curve) {
-  Json json = Json::object();
-  json["name"] = curve.name;
-  json["verdict"] = word_of(curve.verdict);
-  json["reasons"] = curve.reasons;
-  json["max_normal_jump_deg"] = degrees(curve.figures.max_normal_jump);
-  json["mean_normal_jump_deg"] = degrees(curve.figures.mean_normal_jump);
-  json["max_gap"] = curve.figures.max_gap;
-  json["max_curvature_jump"] = curve.figures.max_curvature_jump;
-  json["max_curvature_share"] = curve.max_curvature_share;
-  json["max_distance"] = curve.figures.max_distance;
-  json["samples"] = curve.figures.n_samples;
-  json["samples_one_sided"] = curve.figures.n_one_sided;
-  json["samples_not_measured"] = curve.figures.n_unfitted;
-  json["worst"] = {curve.worst.x(), curve.worst.y(), curve.worst.z()};
-  return json;
-}
 
 /// Isophotes around the worst place of a curve, with the curve upon them: seen from the side of the curve,
 /// not along the normal, around which isophotes are few, and so many that some ten of them cross the picture.
@@ -106,25 +88,15 @@ Outcome run_check(const CheckArguments& arguments, Context& context) {
                               " -o surface.ply` makes the surface to check"));
   if (!network.network)
     throw InvalidInput(concat("--network takes a network, but ", network.path, " is a mesh"));
-  CurveCheckOptions options;
-  options.require = parse_choice<ContinuityClass>(arguments.continuity);
-  options.tolerance = parse_angle(arguments.tolerance);
-  options.gap = arguments.gap / 100;
-  options.curvature = arguments.curvature / 100;
-  options.distance = arguments.distance / 100;
-  const CurveCheck check = check_curves(*surface.mesh, *network.network, options, context.progress);
+  const CurveCheck check =
+      check_curves(*surface.mesh, *network.network, options_of(arguments), context.progress);
   add_run(check.times, {}, outcome);
 
   Json& figures = outcome.figures;
   figures["surface"] = describe(surface);
   figures["network"] = describe(network);
-  figures["diameter"] = check.diameter;
-  figures["passes"] = check.passes();
-  figures["checked"] = check.n_checked;
-  figures["failed"] = check.n_failed;
-  figures["curves"] = Json::array();
+  commands::append(commands::figures_of(check), figures);
   for (const CheckedCurve& curve : check.curves) {
-    figures["curves"].push_back(curve_json(curve));
     std::string line = concat("  ", word_of(curve.verdict), "  ", curve.name);
     if (curve.figures.n_samples > 0)
       line += concat(": normals differ by ", degrees(curve.figures.max_normal_jump), " degrees at most, ",

@@ -32,7 +32,8 @@ const std::vector<Prose>& all_prose() {
       }
     };
     for (const std::string& path :
-         files_of({"src", "apps", "tests", "bench", "experiments", "fuzz", "examples"}, {".hpp", ".cpp"}))
+         files_of({"src", "apps", "tests", "bench", "experiments", "fuzz", "examples", "python"},
+                  {".hpp", ".cpp"}))
       if (path.rfind("tests/docs/", 0) != 0) add(path, true);
     for (const auto& [path, document] : documents()) add(path, false);
     return result;
