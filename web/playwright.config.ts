@@ -1,5 +1,9 @@
 import { defineConfig } from '@playwright/test';
 
+// Another port where several work on one machine.
+const port = process.env.BATTEN_PAGE_PORT ?? '4173';
+const url = `http://127.0.0.1:${port}`;
+
 // The distribution's Chromium; software rendering, which draws the same everywhere.
 export default defineConfig({
   testDir: 'tests/pages',
@@ -7,7 +11,7 @@ export default defineConfig({
   timeout: 180_000,
   reporter: [['list']],
   use: {
-    baseURL: 'http://127.0.0.1:4173',
+    baseURL: url,
     viewport: { width: 1280, height: 800 },
     launchOptions: {
       executablePath: process.env.BATTEN_CHROMIUM ?? '/usr/bin/chromium',
@@ -15,5 +19,5 @@ export default defineConfig({
     },
     trace: 'retain-on-failure',
   },
-  webServer: { command: 'npx vite preview --host 127.0.0.1 --port 4173 --strictPort', url: 'http://127.0.0.1:4173', reuseExistingServer: true },
+  webServer: { command: `npx vite preview --host 127.0.0.1 --port ${port} --strictPort`, url, reuseExistingServer: true },
 });

@@ -1,4 +1,5 @@
 #include "studio/engine_thread.hpp"
+#include "studio/step_file.hpp"
 
 #include <memory>
 
@@ -7,8 +8,8 @@
 namespace batten::studio {
 
 Handle make_engine() {
-  return [engine = std::make_shared<Engine>()](std::string_view text, std::string_view bytes,
-                                               const Progress& progress) {
+  return [engine = std::make_shared<Engine>(step_file)](std::string_view text, std::string_view bytes,
+                                                        const Progress& progress) {
     return engine->handle(text, bytes, progress);
   };
 }

@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "batten/core/text.hpp"
 #include "batten/io/mesh_io.hpp"
 #include "batten/io/scan_io.hpp"
 #include "batten/pipeline/reconstruction.hpp"
@@ -58,17 +59,21 @@ std::string sphere_scan() {
 }
 
 /// A scan with its network and surface: o1, o2, o3.
-void add_surface(Engine& engine) {
+/// @param is_coarse few samples and triangles, for what holds at any number of them.
+void add_surface(Engine& engine, bool is_coarse = false) {
   ASSERT_TRUE(ask(engine, {{"op", "open"}, {"name", "ball.rawnet"}}, sphere_scan()).ok());
-  for (const auto& [name, source, kind] :
-       {std::tuple{"network", "o1", "network"}, std::tuple{"surface", "o2", "surface"}}) {
-    const Answer derived = ask(engine, {{"op", "edit"},
-                                        {"edit",
-                                         {{"op", "derive"},
-                                          {"object", "o0"},
-                                          {"name", name},
-                                          {"source", source},
-                                          {"request", {{"kind", kind}}}}}});
+  Json network = {{"kind", "network"}}, surface = {{"kind", "surface"}};
+  if (is_coarse) {
+    network["step"] = {{"value", 0.06}, {"kind", "relative"}};
+    surface["surface"] = {{"edge_length", {{"value", 0.06}, {"kind", "relative"}}}};
+  }
+  for (const auto& [name, source, request] :
+       {std::tuple{"network", "o1", network}, std::tuple{"surface", "o2", surface}}) {
+    const Answer derived = ask(
+        engine,
+        {{"op", "edit"},
+         {"edit",
+          {{"op", "derive"}, {"object", "o0"}, {"name", name}, {"source", source}, {"request", request}}}});
     ASSERT_TRUE(derived.ok()) << derived.json;
   }
 }
@@ -171,6 +176,206 @@ TEST(Engine, GivesTheValuesBehindColours) {
   EXPECT_EQ(values.json["low"].get<double>(), -values.json["high"].get<double>());
   const Answer none = ask(engine, {{"op", "values"}, {"object", "o3"}, {"shading", "isophotes"}});
   EXPECT_FALSE(none.ok());
+}
+
+/// A sheet of 11 × 11 vertices over the unit square, cut into triangles.
+std::string sheet() {
+  std::string text = "OFF\n121 200 0\n";
+  for (int i = 0; i <= 10; ++i)
+    for (int j = 0; j <= 10; ++j) text += std::to_string(i / 10.0) + " " + std::to_string(j / 10.0) + " 0\n";
+  for (int i = 0; i < 10; ++i)
+    for (int j = 0; j < 10; ++j) {
+      const int a = 11 * i + j;
+      for (const auto& [p, q, r] : {std::tuple{a, a + 11, a + 12}, std::tuple{a, a + 12, a + 1}})
+        text += "3 " + std::to_string(p) + " " + std::to_string(q) + " " + std::to_string(r) + "\n";
+    }
+  return text;
+}
+
+// The middle of a sheet lifted: the preview while it is dragged, and the step that it becomes.
+TEST(Engine, PullsAtAMeshAsTheStepDoesThatItBecomes) {
+  Engine engine;
+  EXPECT_FALSE(ask(engine, {{"op", "pull"}}).ok());  // nothing is held
+  ASSERT_TRUE(ask(engine, {{"op", "open"}, {"name", "sheet.off"}}, sheet()).ok());
+  const Json hold = {
+      {"op", "grab"}, {"object", "o1"}, {"at", {0.5, 0.5, 0}}, {"radius", 0.12}, {"reach", 0.45}};
+  const Answer held = ask(engine, hold);
+  ASSERT_TRUE(held.ok()) << held.json;
+  const auto moved = held.array<std::uint32_t>("moved"), fixed = held.array<std::uint32_t>("fixed");
+  EXPECT_EQ(moved.size(), 5U);  // the middle and its four neighbours
+  EXPECT_EQ(held.json["n_fixed"], fixed.size());
+  const Answer pulled = ask(engine, {{"op", "pull"}, {"translation", {0, 0, 0.2}}});
+  ASSERT_TRUE(pulled.ok()) << pulled.json;
+  const auto rest = held.array<float>("positions"), now = pulled.array<float>("positions");
+  ASSERT_EQ(rest.size(), now.size());
+  for (const std::uint32_t v : moved) EXPECT_NEAR(now[3 * v + 2], 0.2, 1e-6);
+  for (const std::uint32_t v : fixed) EXPECT_NEAR(now[3 * v + 2], 0, 1e-6);
+  // The same by the request, where it keeps no detail either.
+  const Json request = {{"kind", "deform"},
+                        {"detail", "none"},
+                        {"fixed", fixed},
+                        {"moved", {{{"vertices", moved}, {"translation", {0, 0, 0.2}}}}}};
+  ASSERT_TRUE(
+      ask(engine,
+          {{"op", "edit"},
+           {"edit",
+            {{"op", "derive"}, {"object", "o0"}, {"name", "bent"}, {"source", "o1"}, {"request", request}}}})
+          .ok());
+  const Answer bent = ask(engine, {{"op", "show"}, {"object", "o2"}});
+  ASSERT_TRUE(bent.ok()) << bent.json;
+  const auto wanted = bent.array<float>("positions");
+  const double lift = bent.json["origin"][2].get<double>();  // the middle of what is bent is another one
+  for (std::size_t v = 0; v < 121; ++v) EXPECT_NEAR(now[3 * v + 2], wanted[3 * v + 2] + lift, 1e-6);
+  for (const auto& [field, value, part] :
+       {std::tuple{"radius", 0.0, "radius above 0"}, std::tuple{"radius", 0.6, "reach be larger"},
+        std::tuple{"reach", 9.0, "smaller reach"}}) {
+    Json wrong = hold;
+    wrong[field] = value;
+    const Answer refused = ask(engine, wrong);
+    EXPECT_FALSE(refused.ok());
+    EXPECT_NE(refused.json["message"].get<std::string>().find(part), std::string::npos) << refused.json;
+  }
+}
+
+TEST(Engine, MendsAMeshAndSaysWhatItHasDone) {
+  Engine engine;
+  std::string open = kCube;  // without its last face
+  open.replace(open.find("8 12"), 4, "8 11").resize(open.size() - 8);
+  const Answer opened = ask(engine, {{"op", "open"}, {"name", "box.off"}}, open);
+  ASSERT_TRUE(opened.ok()) << opened.json;
+  ASSERT_TRUE(ask(engine, {{"op", "edit"},
+                           {"edit",
+                            {{"op", "derive"},
+                             {"object", "o0"},
+                             {"name", "closed"},
+                             {"source", "o1"},
+                             {"request", {{"kind", "repair"}, {"fill_holes", 3}}}}}})
+                  .ok());
+  const Answer shown = ask(engine, {{"op", "show"}, {"object", "o2"}});
+  ASSERT_TRUE(shown.ok()) << shown.json;
+  EXPECT_EQ(shown.json["mesh"]["closed"], true);
+  EXPECT_NEAR(shown.json["mesh"]["volume"].get<double>(), 1, 1e-9);
+  ASSERT_EQ(shown.json["done"].size(), 1U) << shown.json["done"];
+}
+
+TEST(Engine, CutsAMeshByAPlaneAndKeepsTheCurves) {
+  Engine engine;
+  ASSERT_TRUE(ask(engine, {{"op", "open"}, {"name", "cube.off"}}, kCube).ok());
+  const Json cut = {{"op", "section"}, {"object", "o1"}, {"normal", {0, 0, 1}}, {"offset", 0.25}};
+  const Answer found = ask(engine, cut);
+  ASSERT_TRUE(found.ok()) << found.json;
+  ASSERT_EQ(found.json["curves"].size(), 1U);
+  EXPECT_NEAR(found.json["length"].get<double>(), 4, 1e-12);
+  EXPECT_NEAR(found.json["area"].get<double>(), 1, 1e-12);
+  EXPECT_FALSE(found.json.contains("edit"));
+  Json kept = cut;
+  kept["name"] = "cut";
+  const Answer edit = ask(engine, kept);
+  ASSERT_TRUE(ask(engine, {{"op", "edit"}, {"edit", edit.json["edit"]}}).ok());
+  const Answer network = ask(engine, {{"op", "show"}, {"object", "o2"}});
+  EXPECT_EQ(network.json["kind"], "network");
+  EXPECT_EQ(network.json["curves"][0]["closed"], true);
+  kept["offset"] = 7;
+  EXPECT_FALSE(ask(engine, kept).ok());  // nothing to keep
+}
+
+TEST(Engine, ShowsCombsAndPrincipalDirections) {
+  Engine engine;
+  add_surface(engine, true);
+  const Answer combs = ask(engine, {{"op", "combs"}, {"object", "o3"}});
+  ASSERT_TRUE(combs.ok()) << combs.json;
+  // Great circles of the unit sphere, from a scan with noise.
+  const auto curvature = combs.array<float>("curvature");
+  double sum = 0;
+  for (const float one : curvature) sum += one;
+  EXPECT_NEAR(sum / static_cast<double>(curvature.size()), 1, 0.05);
+  EXPECT_EQ(combs.array<float>("roots").size(), 3 * curvature.size());
+  const Answer directions = ask(engine, {{"op", "directions"}, {"object", "o3"}, {"most", 100}});
+  ASSERT_TRUE(directions.ok()) << directions.json;
+  const auto first = directions.array<float>("first"), second = directions.array<float>("second");
+  ASSERT_EQ(first.size(), second.size());
+  EXPECT_GT(first.size(), 3U * 50);
+  EXPECT_LE(first.size(), 3U * 100);
+  for (std::size_t i = 0; i < first.size(); i += 3) {
+    EXPECT_NEAR(first[i] * second[i] + first[i + 1] * second[i + 1] + first[i + 2] * second[i + 2], 0, 1e-5);
+  }
+  EXPECT_FALSE(ask(engine, {{"op", "directions"}, {"object", "o3"}, {"most", 0}}).ok());
+}
+
+TEST(Engine, TellsHowSureASurfaceOfAScanIs) {
+  Engine engine;
+  add_surface(engine, true);
+  const Answer shown = ask(engine, {{"op", "show"}, {"object", "o3"}});
+  const Answer values = ask(engine, {{"op", "values"}, {"object", "o3"}, {"shading", "uncertainty"}});
+  ASSERT_TRUE(values.ok()) << values.json;
+  const auto list = values.array<float>("values");
+  EXPECT_EQ(3 * list.size(), shown.array<float>("positions").size());
+  for (const float one : list) EXPECT_GE(one, 0);
+  ASSERT_TRUE(ask(engine, {{"op", "open"}, {"name", "cube.off"}}, kCube).ok());
+  const Answer none = ask(engine, {{"op", "values"}, {"object", "o4"}, {"shading", "uncertainty"}});
+  EXPECT_NE(none.json["message"].get<std::string>().find("made of a scan"), std::string::npos);
+}
+
+// A circle, and an arc over it: what it would become, and what it would not.
+TEST(Engine, TriesAStrokeWithoutDrawingIt) {
+  Engine engine;
+  const auto stroke = [](int n, double angle, double height) {
+    Json points = Json::array();
+    for (int i = 0; i <= n; ++i) {
+      const double t = angle * i / n;
+      points.push_back({std::cos(t), height > 0 ? 0.0 : std::sin(t), height * std::sin(t)});
+    }
+    return points;
+  };
+  const double pi = std::acos(-1.0);
+  ASSERT_TRUE(ask(engine, {{"op", "edit"},
+                           {"edit",
+                            {{"op", "add"},
+                             {"object", "o0"},
+                             {"kind", "model"},
+                             {"name", "m"},
+                             {"unit", "mm"},
+                             {"content", Json::object()}}}})
+                  .ok());
+  const Json outline = {{"op", "insert"}, {"object", "o1"}, {"points", stroke(60, 2 * pi, 0)}};
+  const Answer first = ask(engine, {{"op", "try"}, {"edit", outline}});
+  ASSERT_TRUE(first.ok()) << first.json;
+  EXPECT_EQ(first.json["accepted"], true);
+  EXPECT_EQ(first.json["faces"], 1);
+  EXPECT_TRUE(first.json["meets"].empty());
+  EXPECT_EQ(ask(engine, {{"op", "show"}, {"object", "o1"}}).json["curves"].size(), 0U);  // only tried
+  ASSERT_TRUE(ask(engine, {{"op", "edit"}, {"edit", outline}}).ok());
+  const Answer over =
+      ask(engine,
+          {{"op", "try"}, {"edit", {{"op", "insert"}, {"object", "o1"}, {"points", stroke(30, pi, 0.8)}}}});
+  ASSERT_EQ(over.json["accepted"], true) << over.json;
+  ASSERT_EQ(over.json["meets"].size(), 2U) << over.json;
+  for (const Json& met : over.json["meets"]) EXPECT_EQ(met["curve"], "c0");
+  EXPECT_GT(over.array<float>("positions").size(), 30U);
+  const Answer inside = ask(
+      engine,
+      {{"op", "try"},
+       {"edit", {{"op", "insert"}, {"object", "o1"}, {"points", {{0, 0, 0}, {0.1, 0.05, 0}, {0.2, 0, 0}}}}}});
+  EXPECT_EQ(inside.json["accepted"], false);
+  EXPECT_FALSE(inside.json["reason"].get<std::string>().empty());
+  EXPECT_FALSE(inside.json["remedy"].get<std::string>().empty());
+}
+
+TEST(Engine, SavesStepWhereItIsGivenAWriter) {
+  Engine plain, cad([](const RequestResult&made, const std::string&unit, const Progress&) {
+    return concat("unit '", unit, "' patches ", std::get<CurvesSurface>(made).surface.n_cycles);
+  });
+  add_surface(plain, true);
+  add_surface(cad, true);
+  const Json message = {{"op", "save"}, {"object", "o3"}, {"format", "step"}};
+  EXPECT_FALSE(ask(plain, message).ok());
+  const Answer saved = ask(cad, message);
+  ASSERT_TRUE(saved.ok()) << saved.json;
+  const auto bytes = saved.array<char>("file");
+  EXPECT_EQ(std::string(bytes.begin(), bytes.end()), "unit '' patches 8");
+  const Json objects = ask(cad, {{"op", "document"}}).json["objects"];
+  EXPECT_EQ(objects[2]["formats"].back(), "step");
+  EXPECT_NE(objects[1]["formats"].back(), "step");
 }
 
 TEST(Engine, AnswersWhatGoesWrongInWords) {

@@ -36,7 +36,7 @@ class RandomProject {
 
   /// Any options of any request.
   Request random_request() {
-    switch (random_.below(8)) {
+    switch (random_.below(9)) {
       case 0:
         return network_request();
       case 1:
@@ -51,6 +51,8 @@ class RandomProject {
         return simplify_request();
       case 6:
         return subdivide_request();
+      case 7:
+        return repair_request();
       default:
         return deform_request();
     }
@@ -124,6 +126,15 @@ class RandomProject {
     subdivision.levels = static_cast<int>(random_.below(4));
     subdivision.limit = flag();
     if (flag()) request.options.first_schemes = {SubdivisionScheme::Nuliss, SubdivisionScheme::Linear};
+    return request;
+  }
+
+  Request repair_request() {
+    RepairRequest request;
+    request.options.weld = flag();
+    if (flag()) request.options.weld_length = Length{number(), Length::Kind::Metres};
+    request.options.orient = flag();
+    request.options.fill_holes = flag() ? kAllHoles : 0;
     return request;
   }
 

@@ -143,6 +143,19 @@ TEST(Results, FollowEveryKindOfRequest) {
   EXPECT_FALSE(times_of(*results.get(document, network)).stages().empty());
 }
 
+TEST(Results, AMendedMeshSaysWhatCouldNotBeMended) {
+  // Two squares that cross in the middle: nothing takes that away.
+  TriangleMesh crossed;
+  crossed.positions.resize(6, 3);
+  crossed.positions << -1, -1, 0, 1, -1, 0, 0, 1, 0, 0, -1, -1, 0, -1, 1, 0, 1, 0.1;
+  crossed.triangles.resize(2, 3);
+  crossed.triangles << 0, 1, 2, 3, 4, 5;
+  const RequestResult result = run(RepairRequest{}, std::make_shared<const TriangleMesh>(crossed));
+  const RepairedMesh& mended = std::get<RepairedMesh>(result);
+  ASSERT_FALSE(mended.flaws.empty());
+  EXPECT_EQ(warnings_of(result).size(), mended.warnings.size() + mended.flaws.size());
+}
+
 TEST(Results, FailuresNameTheObjectAndKeepWhatWasFinished) {
   Sphere sphere;
   RemeshRequest sizes;

@@ -6,11 +6,9 @@ import { ACCEPTED, bytesOf, choose, download, fileName } from './document/files'
 import { type Folder, Server, type ServerFile } from './document/server';
 import type { Store } from './document/store';
 import type { Drawn, RequestOptions } from './document/types';
-import { Sketching } from './rooms/sketching';
 import { register } from './ui/commands';
 import { startTour } from './ui/tour';
 import type { NamedView } from './view/camera';
-import { Drawing } from './view/drawing';
 import type { Shading } from './view/materials';
 import type { View } from './view/scene';
 
@@ -54,10 +52,8 @@ export class App {
   readonly folder = signal<Folder | null>(null);
   readonly hasServer = signal(false);
   private server: Server | null = null;
-  readonly sketch = new Sketching(this);
   private offered = false;
   view: View | null = null;
-  drawing: Drawing | null = null;
   private readonly started: Promise<void>;
 
   constructor(readonly store: Store) {
@@ -72,9 +68,6 @@ export class App {
   /** The view follows the store. */
   attach(view: View): void {
     this.view = view;
-    this.drawing = new Drawing(view);
-    this.drawing.onStroke = (stroke) => void this.sketch.draw(stroke);
-    this.drawing.onPick = (found) => void (this.sketch.curve.value = found && found.curve >= 0 ? found.curve : null);
     void this.started.then(async () => {
       const { arrays } = await this.store.engine.ask({ op: 'colours' });
       const sequential = arrays.sequential as Float32Array;
@@ -349,10 +342,6 @@ export class App {
         when: hasMesh,
         run: () => this.setLook({ shading }),
       })),
-      { id: 'draw', title: 'Draw', keys: 'D', when: () => this.room.value === 'sketch', run: () => void (this.sketch.tool.value = 'draw') },
-      { id: 'look', title: 'Turn the view instead of drawing', keys: 'V', when: () => this.room.value === 'sketch', run: () => void (this.sketch.tool.value = 'look') },
-      { id: 'new-sketch', title: 'New sketch', run: () => { this.room.value = 'sketch'; return this.sketch.begin(); } },
-      { id: 'delete-curve', title: 'Delete the curve', keys: 'X', when: () => this.room.value === 'sketch' && this.sketch.curve.value !== null, run: () => this.sketch.remove() },
       { id: 'curves', title: 'Show or hide curves', keys: 'C', run: () => this.setLook({ curves: !this.look.value.curves }) },
       ...ROOMS.map(([room, title], i) => ({
         id: `room-${room}`,

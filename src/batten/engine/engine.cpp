@@ -1,21 +1,28 @@
 #include "batten/engine/engine.hpp"
 
+#include <algorithm>
 #include <map>
+#include <memory>
 #include <new>
 #include <stdexcept>
 #include <utility>
 #include <vector>
 
+#include "batten/core/choices.hpp"
 #include "batten/core/error.hpp"
+#include "batten/core/index.hpp"
 #include "batten/core/text.hpp"
 #include "batten/core/units.hpp"
+#include "batten/engine/handle_drag_detail.hpp"
 #include "batten/engine/inspection_detail.hpp"
 #include "batten/engine/live_surface_detail.hpp"
 #include "batten/engine/opened_file.hpp"
 #include "batten/engine/reply_detail.hpp"
 #include "batten/engine/saved_file.hpp"
 #include "batten/engine/shown_object_detail.hpp"
+#include "batten/engine/tried_edit_detail.hpp"
 #include "batten/render/colour.hpp"
+#include "batten/render/render.hpp"
 #include "batten/session/document.hpp"
 #include "batten/session/edit_json.hpp"
 #include "batten/session/journal.hpp"
@@ -35,6 +42,8 @@ namespace {
 // An angle and a length where messages do not give them; those of `batten render` and of a preview.
 constexpr double kContinuityTolerance = radians(0.5);
 constexpr double kLiveEdgeLength = 0.02;
+// Crosses of principal directions where a message does not say: as many as can be told apart.
+constexpr double kMostDirections = 4000;
 
 std::string id_text(ObjectId id) {
   return concat("o", id.number);
@@ -59,6 +68,20 @@ double number_of(const Json& message, const char* name, double otherwise) {
   return found->get<double>();
 }
 
+Eigen::Vector3d point_of(const Json& message, const char* name) {
+  const Json& value = field(message, name);
+  Eigen::Vector3d point;
+  for (int k = 0; k < 3; ++k) {
+    if (!value.is_array() || value.size() != 3 || !value[at(k)].is_number())
+      throw InvalidInput(concat("'", name, "' of the message must be three numbers"));
+    point[k] = value[at(k)].get<double>();
+  }
+  return point;
+}
+Eigen::Vector3d point_of(const Json& message, const char* name, const Eigen::Vector3d& otherwise) {
+  return message.contains(name) ? point_of(message, name) : otherwise;
+}
+
 bool flag_of(const Json& message, const char* name) {
   const auto found = message.find(name);
   return found != message.end() && found->is_boolean() && found->get<bool>();
@@ -77,6 +100,12 @@ std::string free_name(const Document& document, const std::string& wanted) {
   return name;
 }
 
+/// Whether what a request makes is a surface of patches, which programs for CAD take.
+bool is_surface(const Request& request) {
+  return std::holds_alternative<SurfaceRequest>(request) ||
+         std::holds_alternative<ModelSurfaceRequest>(request);
+}
+
 Json failure(const char* kind, const std::string& message) {
   return {{"ok", false}, {"kind", kind}, {"message", message}};
 }
@@ -87,6 +116,8 @@ struct Engine::State {
   Document document;
   Results results;
   detail::LiveSurface live;
+  detail::HandleDrag held;
+  FormatStep format_step;
 
   /// The object that a message names.
   ObjectId object_of(const Json& message, const char* name = "object") const {
@@ -108,6 +139,42 @@ struct Engine::State {
     return std::get<SharedMesh>(content(id, progress));
   }
 
+  /// The curves of an object: its own, those that a surface was made of, those that were drawn, or those of
+  /// the network that the message names as `curves`.
+  std::shared_ptr<const CurveNetwork> curves_of(const Json& message, const Progress& progress) {
+    const ObjectId id = object_of(message, message.contains("curves") ? "curves" : "object");
+    const Object& object = document.object(id);
+    if (object.kind() == ObjectKind::Network) return std::get<SharedNetwork>(content(id, progress));
+    if (object.kind() == ObjectKind::Model)
+      return std::make_shared<CurveNetwork>(detail::curves_of(document.model(id)));
+    if (const Derived* derived = object.derived()) {
+      if (document.object(derived->source).kind() == ObjectKind::Model)
+        return std::make_shared<CurveNetwork>(detail::curves_of(document.model(derived->source)));
+      const std::shared_ptr<const RequestResult> result = results.get(document, id, progress);
+      if (const auto* made = std::get_if<CurvesSurface>(result.get())) return {result, &made->network};
+    }
+    throw InvalidInput(
+        concat("'", object.name, "' was not made of curves; name the network of its curves as 'curves'"));
+  }
+  /// What the drawn coordinates of an object are less.
+  Eigen::RowVector3d origin_of(ObjectId id, const Progress& progress) {
+    const Object& object = document.object(id);
+    if (object.kind() == ObjectKind::Model)
+      return detail::middle_of(detail::curves_of(document.model(id)).positions);
+    if (const Derived* derived = object.derived()) {
+      if (document.object(derived->source).kind() == ObjectKind::Model)
+        return origin_of(derived->source, progress);
+      const std::shared_ptr<const RequestResult> result = results.get(document, id, progress);
+      if (const auto* made = std::get_if<CurvesSurface>(result.get()))
+        return detail::middle_of(made->network.positions);
+    }
+    const Content shown = content(id, progress);
+    if (const auto* network = std::get_if<SharedNetwork>(&shown))
+      return detail::middle_of((*network)->positions);
+    if (const auto* mesh = std::get_if<SharedMesh>(&shown)) return detail::middle_of((*mesh)->positions);
+    return Eigen::RowVector3d::Zero();
+  }
+
   void apply(Draft& draft, const Edit& edit) {
     const EditOutcome outcome = document.apply(edit);
     draft.json["object"] = outcome.object.number == 0 ? Json() : Json(id_text(outcome.object));
@@ -122,9 +189,17 @@ struct Engine::State {
   void describe(Draft& draft) const;
   void show(Draft& draft, const Json& message, const Progress& progress);
   void follow(Draft& draft, const Json& message, const Progress& progress);
+  /// The surface of a scan once more, with its deviations as values.
+  TriangleMesh with_uncertainty(ObjectId id, const Progress& progress);
   void values(Draft& draft, const Json& message, const Progress& progress);
   void continuity(Draft& draft, const Json& message, const Progress& progress);
   void distances(Draft& draft, const Json& message, const Progress& progress);
+  void combs(Draft& draft, const Json& message, const Progress& progress);
+  void directions(Draft& draft, const Json& message, const Progress& progress);
+  void section(Draft& draft, const Json& message, const Progress& progress);
+  void grab(Draft& draft, const Json& message, const Progress& progress);
+  void pull(Draft& draft, const Json& message, const Progress& progress);
+  void try_edit(Draft& draft, const Json& message) const;
   void save(Draft& draft, const Json& message, const Progress& progress);
   void colours(Draft& draft) const;
   void length(Draft& draft, const Json& message) const;
@@ -190,6 +265,7 @@ void Engine::State::describe(Draft& draft) const {
                   {"version", document.version(id)},
                   {"formats", formats_of(object.kind())}};
     if (const Derived* derived = object.derived()) {
+      if (format_step && is_surface(*derived->request)) entry["formats"].push_back("step");
       entry["source"] = id_text(derived->source);
       // The line of a journal is where the options of a request have their names.
       entry["request"] = Json::parse(format_edit(RequestEdit{id, *derived->request, 0}))["request"];
@@ -250,6 +326,11 @@ void Engine::State::show(Draft& draft, const Json& message, const Progress& prog
                             {"misfit_before", json_of(report.closure_misfit_before)},
                             {"misfit", json_of(report.closure_misfit)}};
   }
+  if (const auto* mended = std::get_if<RepairedMesh>(result.get())) {
+    draft.json["done"] = mended->done;
+    draft.json["flaws"] = mended->flaws;
+    draft.json["warnings"] = mended->warnings;
+  }
   const StageTimes times = times_of(*result);
   Json stages = Json::array();
   for (const auto& [stage, seconds] : times.stages())
@@ -287,37 +368,105 @@ void Engine::State::follow(Draft& draft, const Json& message, const Progress& pr
   detail::draw_network(draft, *shown.network, origin);
 }
 
+TriangleMesh Engine::State::with_uncertainty(ObjectId id, const Progress& progress) {
+  const Derived* surface = document.object(id).derived();
+  const Derived* network = surface == nullptr ? nullptr : document.object(surface->source).derived();
+  const auto* asked = surface == nullptr ? nullptr : std::get_if<SurfaceRequest>(surface->request.get());
+  const auto* scanned = network == nullptr ? nullptr : std::get_if<NetworkRequest>(network->request.get());
+  if (asked == nullptr || scanned == nullptr)
+    throw InvalidInput(concat("how sure '", document.object(id).name,
+                              "' is cannot be told: only surfaces made of a scan carry it"));
+  ScanOptions options = scanned->options;
+  options.uncertainty = true;
+  if (options.weights != WeightChoice::Auto)
+    throw InvalidInput(
+        "how sure a surface is follows from automatic weights alone; set weights to automatic");
+  const ScanNetwork made =
+      network_from_scan(*std::get<SharedScan>(content(network->source, progress)), options, progress);
+  NetworkSurface known = uncertain_surface(made.network, *made.uncertainty, asked->surface, progress);
+  if (known.mesh.n_vertices() != mesh(id, progress)->n_vertices())
+    throw InvalidInput(
+        "the curves of this surface were mended, which leaves their uncertainty without places");
+  return std::move(known.mesh);
+}
+
 void Engine::State::values(Draft& draft, const Json& message, const Progress& progress) {
-  detail::add_values(draft, *mesh(object_of(message), progress), text_of(message, "shading"));
+  const ObjectId id = object_of(message);
+  const SharedMesh surface = mesh(id, progress);
+  const std::string shading = text_of(message, "shading");
+  if (shading == word_of(Shading::Uncertainty) && !surface->vertex_values.contains("uncertainty")) {
+    const TriangleMesh known = with_uncertainty(id, progress);
+    detail::add_values(draft, known, shading);
+    return;
+  }
+  detail::add_values(draft, *surface, shading);
 }
 
 void Engine::State::continuity(Draft& draft, const Json& message, const Progress& progress) {
   const ObjectId id = object_of(message);
   const SharedMesh surface = mesh(id, progress);
   const double tolerance = number_of(message, "tolerance", kContinuityTolerance);
-  if (message.contains("curves")) {
-    const Content curves = content(object_of(message, "curves"), progress);
-    const auto* network = std::get_if<SharedNetwork>(&curves);
-    if (network == nullptr) throw InvalidInput("'curves' must name a network");
-    detail::add_continuity(draft, *surface, **network, tolerance, detail::middle_of(surface->positions),
-                           progress);
-    return;
-  }
-  if (document.object(id).derived() != nullptr) {
-    const std::shared_ptr<const RequestResult> result = results.get(document, id, progress);
-    if (const auto* made = std::get_if<CurvesSurface>(result.get())) {
-      detail::add_continuity(draft, *surface, made->network, tolerance,
-                             detail::middle_of(made->network.positions), progress);
-      return;
-    }
-  }
-  throw InvalidInput(concat("'", document.object(id).name,
-                            "' was not made of curves; name the network of its curves as 'curves'"));
+  const std::shared_ptr<const CurveNetwork> curves = curves_of(message, progress);
+  detail::add_continuity(draft, *surface, *curves, tolerance, origin_of(id, progress), progress);
 }
 
 void Engine::State::distances(Draft& draft, const Json& message, const Progress& progress) {
   detail::add_distances(draft, *mesh(object_of(message), progress),
                         *mesh(object_of(message, "truth"), progress), progress);
+}
+
+void Engine::State::combs(Draft& draft, const Json& message, const Progress& progress) {
+  const Eigen::RowVector3d origin = origin_of(object_of(message), progress);
+  draft.json["origin"] = json_of(origin);
+  detail::add_combs(draft, *curves_of(message, progress), origin);
+}
+
+void Engine::State::directions(Draft& draft, const Json& message, const Progress& progress) {
+  const ObjectId id = object_of(message);
+  const Eigen::RowVector3d origin = origin_of(id, progress);
+  draft.json["origin"] = json_of(origin);
+  const double most = number_of(message, "most", kMostDirections);
+  detail::add_directions(draft, *mesh(id, progress), static_cast<Eigen::Index>(std::clamp(most, 0.0, 1e9)),
+                         origin);
+}
+
+void Engine::State::section(Draft& draft, const Json& message, const Progress& progress) {
+  const ObjectId id = object_of(message);
+  const Eigen::RowVector3d origin = origin_of(id, progress);
+  draft.json["origin"] = json_of(origin);
+  CurveNetwork cut = detail::add_section(draft, *mesh(id, progress), point_of(message, "normal"),
+                                         number_of(message, "offset", 0), origin);
+  if (!message.contains("name")) return;
+  if (cut.curves.empty()) throw InvalidInput("the plane does not cut the mesh; move it");
+  const AddEdit add{{},
+                    free_name(document, text_of(message, "name")),
+                    document.unit(id),
+                    std::make_shared<const CurveNetwork>(std::move(cut))};
+  draft.json["edit"] = Json::parse(format_edit(add));
+}
+
+void Engine::State::grab(Draft& draft, const Json& message, const Progress& progress) {
+  const auto energy = message.contains("energy") ? parse_choice<DeformationEnergy>(text_of(message, "energy"))
+                                                 : DeformOptions{}.energy;
+  held.grab(mesh(object_of(message), progress), point_of(message, "at"), number_of(message, "radius", 0),
+            number_of(message, "reach", 0), energy, progress);
+  held.add_grabbed(draft);
+}
+
+void Engine::State::pull(Draft& draft, const Json& message, const Progress& progress) {
+  HandleMotion motion;
+  motion.translation = point_of(message, "translation", motion.translation);
+  motion.axis = point_of(message, "axis", motion.axis);
+  motion.angle = number_of(message, "angle", 0);
+  motion.about = point_of(message, "about", motion.about);
+  held.pull(draft, motion, progress);
+}
+
+void Engine::State::try_edit(Draft& draft, const Json& message) const {
+  const Edit edit = parse_edit(field(message, "edit").dump());
+  const auto* drawn = std::get_if<ModelEdit>(&edit);
+  if (drawn == nullptr) throw InvalidInput("only edits of models can be tried");
+  detail::add_tried(draft, document.model(drawn->object), drawn->edit);
 }
 
 void Engine::State::save(Draft& draft, const Json& message, const Progress& progress) {
@@ -326,6 +475,13 @@ void Engine::State::save(Draft& draft, const Json& message, const Progress& prog
     return;
   }
   const ObjectId id = object_of(message);
+  const Derived* derived = document.object(id).derived();
+  if (format_step && derived != nullptr && is_surface(*derived->request) &&
+      text_of(message, "format") == "step") {
+    draft.json["warnings"] = Json::array();
+    draft.add_bytes("file", format_step(*results.get(document, id, progress), document.unit(id), progress));
+    return;
+  }
   const SavedFile file = save_file(content(id, progress), text_of(message, "format"), document.unit(id));
   draft.json["warnings"] = file.warnings;
   draft.add_bytes("file", file.bytes);
@@ -370,6 +526,17 @@ void Engine::State::carry_out(Draft& draft, std::string_view text, std::string_v
        [](State& s, Draft& d, const Json& m, std::string_view, const Progress& p) { s.continuity(d, m, p); }},
       {"distances",
        [](State& s, Draft& d, const Json& m, std::string_view, const Progress& p) { s.distances(d, m, p); }},
+      {"combs",
+       [](State& s, Draft& d, const Json& m, std::string_view, const Progress& p) { s.combs(d, m, p); }},
+      {"directions",
+       [](State& s, Draft& d, const Json& m, std::string_view, const Progress& p) { s.directions(d, m, p); }},
+      {"section",
+       [](State& s, Draft& d, const Json& m, std::string_view, const Progress& p) { s.section(d, m, p); }},
+      {"grab",
+       [](State& s, Draft& d, const Json& m, std::string_view, const Progress& p) { s.grab(d, m, p); }},
+      {"pull",
+       [](State& s, Draft& d, const Json& m, std::string_view, const Progress& p) { s.pull(d, m, p); }},
+      {"try", [](State& s, Draft& d, const Json& m, std::string_view, const Progress&) { s.try_edit(d, m); }},
       {"save",
        [](State& s, Draft& d, const Json& m, std::string_view, const Progress& p) { s.save(d, m, p); }},
       {"colours", [](State& s, Draft& d, const Json&, std::string_view, const Progress&) { s.colours(d); }},
@@ -385,7 +552,9 @@ void Engine::State::carry_out(Draft& draft, std::string_view text, std::string_v
   handler->second(*this, draft, message, bytes, progress);
 }
 
-Engine::Engine() : state_(std::make_unique<State>()) {}
+Engine::Engine(FormatStep format_step) : state_(std::make_unique<State>()) {
+  state_->format_step = std::move(format_step);
+}
 Engine::~Engine() = default;
 Engine::Engine(Engine&&) noexcept = default;
 Engine& Engine::operator=(Engine&&) noexcept = default;

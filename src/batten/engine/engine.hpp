@@ -1,12 +1,18 @@
 #pragma once
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
 
 #include "batten/core/progress.hpp"
 #include "batten/engine/reply.hpp"
+#include "batten/session/results.hpp"
 
 namespace batten {
+
+/// The text of a STEP file of a surface, for programs that link Open Cascade. @param unit of its lengths.
+using FormatStep =
+    std::function<std::string(const RequestResult& made, const std::string& unit, const Progress&)>;
 
 /// The engine behind the studio: one project, requests as JSON messages, replies as JSON and arrays
 /// (docs/engine.md lists the messages). The page holds one in a worker, the server one per window; both are
@@ -15,7 +21,8 @@ namespace batten {
 /// Not for several threads at once.
 class Engine {
  public:
-  Engine();
+  /// @param format_step surfaces can be saved as `step` where there is one.
+  explicit Engine(FormatStep format_step = {});
   ~Engine();
   Engine(Engine&&) noexcept;
   Engine& operator=(Engine&&) noexcept;

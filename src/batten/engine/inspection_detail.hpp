@@ -25,4 +25,19 @@ void add_continuity(Draft& draft, const TriangleMesh& mesh, const CurveNetwork& 
 void add_distances(Draft& draft, const TriangleMesh& mesh, const TriangleMesh& truth,
                    const Progress& progress);
 
+/// Adds the curvature along curves as combs: the arrays roots (less the origin), directions (unit) and
+/// curvature, and `combs` with name, first and n in these. Where the network has no normals, directions lead
+/// away from the centre of curvature.
+void add_combs(Draft& draft, const CurveNetwork& network, const Eigen::RowVector3d& origin);
+
+/// Adds the principal directions of triangles spread over the mesh, of `most` at most: the arrays places
+/// (less the origin), first and second (unit), curvatures (κ1 and κ2, |κ1| ≥ |κ2|).
+void add_directions(Draft& draft, const TriangleMesh& mesh, Eigen::Index most,
+                    const Eigen::RowVector3d& origin);
+
+/// Adds what a plane cuts out of a mesh: the array positions (less the origin) and `curves` with first, n,
+/// closed, length and area; `length` and `area` of all. @return the curves as a network.
+CurveNetwork add_section(Draft& draft, const TriangleMesh& mesh, const Eigen::Vector3d& normal, double offset,
+                         const Eigen::RowVector3d& origin);
+
 }  // namespace batten::detail

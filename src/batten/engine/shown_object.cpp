@@ -6,6 +6,7 @@
 #include "batten/core/units.hpp"
 #include "batten/engine/shown_object_detail.hpp"
 #include "batten/mesh/adjacency.hpp"
+#include "batten/mesh/areas.hpp"
 #include "batten/mesh/quality.hpp"
 #include "batten/mesh/shape.hpp"
 #include "batten/render/corner_normals.hpp"
@@ -17,7 +18,14 @@ namespace {
 // As `batten render` draws edges sharp.
 constexpr double kCreaseAngle = radians(50);
 
-Json figures_of(const TriangleMesh& mesh) {
+Eigen::RowVector3d middle_of(const TriangleMesh& mesh, int triangle) {
+  Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
+  for (int k = 0; k < 3; ++k) sum += mesh.positions.row(mesh.triangles(triangle, k));
+  return sum / 3;
+}
+
+/// @param origin what drawn coordinates are less.
+Json figures_of(const TriangleMesh& mesh, const Eigen::RowVector3d& origin) {
   const MeshQuality quality = mesh_quality(mesh.positions, mesh.triangles);
   const MeshTopology topology = mesh_topology(mesh.triangles, mesh.n_vertices());
   return {{"n_vertices", mesh.n_vertices()},
@@ -28,7 +36,21 @@ Json figures_of(const TriangleMesh& mesh) {
           {"genus", topology.genus() ? Json(*topology.genus()) : Json()},
           {"problems", topology.problems},
           {"smallest_angle", json_of(quality.min_angle)},
+          {"mean_smallest_angle", json_of(quality.mean_min_angle)},
+          {"largest_angle", json_of(quality.max_angle)},
+          {"slivers", json_of(quality.slivers)},
+          {"mean_aspect", json_of(quality.mean_aspect)},
+          {"worst_aspect", json_of(quality.max_aspect)},
+          {"worst", quality.worst_triangle < 0
+                        ? Json()
+                        : json_of(Eigen::RowVector3d(middle_of(mesh, quality.worst_triangle) - origin))},
+          {"shortest_edge", json_of(quality.min_edge)},
           {"mean_edge", json_of(quality.mean_edge)},
+          {"longest_edge", json_of(quality.max_edge)},
+          {"regular", json_of(regular_share(mesh.triangles, mesh.n_vertices()))},
+          {"area", json_of(surface_area(mesh.positions, mesh.triangles))},
+          {"volume",
+           topology.is_watertight() ? json_of(enclosed_volume(mesh.positions, mesh.triangles)) : Json()},
           {"diameter", json_of(diameter(Shape{mesh.positions, mesh.triangles, {}}))}};
 }
 
@@ -98,7 +120,7 @@ void draw_mesh(Draft& draft, const TriangleMesh& mesh, const Eigen::RowVector3d&
   draft.add_points("normals", split.normals, Eigen::RowVector3d::Zero());
   draft.add_triangles("triangles", split.triangles);
   draft.add_indices("vertex", split.vertex);
-  draft.json["mesh"] = figures_of(mesh);
+  draft.json["mesh"] = figures_of(mesh, origin);
 }
 
 void draw_network(Draft& draft, const CurveNetwork& network, const Eigen::RowVector3d& origin) {
@@ -120,32 +142,49 @@ void draw_network(Draft& draft, const CurveNetwork& network, const Eigen::RowVec
   draft.json["curves"] = std::move(curves);
 }
 
-Eigen::RowVector3d draw_model(Draft& draft, const PolylineMesh& model) {
-  Json curves = Json::array();
+CurveNetwork curves_of(const PolylineMesh& model) {
+  CurveNetwork network;
   std::vector<Eigen::RowVector3d> points;
-  for (std::size_t e = 0; e < model.edges().size(); ++e) {
-    const SketchEdge& edge = model.edges()[e];
+  for (const SketchEdge& edge : model.edges()) {
     if (!edge.alive || !edge.drawn) continue;
     const Points& line = edge.polyline->points();
-    curves.push_back({{"name", "c" + std::to_string(edge.curve)},
+    NetworkCurve& curve = network.curves.emplace_back();
+    curve.name = "c" + std::to_string(edge.curve);
+    curve.boundary = edge.faces[0] < 0 || edge.faces[1] < 0;
+    curve.sharp = edge.sharpness > 0;
+    for (Eigen::Index i = 0; i < line.rows(); ++i) {
+      curve.vertices.push_back(static_cast<int>(points.size()));
+      points.emplace_back(line.row(i));
+    }
+  }
+  network.positions.resize(static_cast<Eigen::Index>(points.size()), 3);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    network.positions.row(static_cast<Eigen::Index>(i)) = points[i];
+  return network;
+}
+
+Eigen::RowVector3d draw_model(Draft& draft, const PolylineMesh& model) {
+  const CurveNetwork network = curves_of(model);
+  Json curves = Json::array();
+  std::vector<int> vertices;
+  std::size_t c = 0;
+  for (const SketchEdge& edge : model.edges()) {
+    if (!edge.alive || !edge.drawn) continue;
+    const NetworkCurve& curve = network.curves[c++];
+    curves.push_back({{"name", curve.name},
                       {"curve", edge.curve},
                       {"sharpness", edge.sharpness},
-                      {"boundary", edge.faces[0] < 0 || edge.faces[1] < 0},
-                      {"sharp", edge.sharpness > 0},
+                      {"boundary", curve.boundary},
+                      {"sharp", curve.sharp},
                       {"closed", false},
-                      {"first", points.size()},
-                      {"n", line.rows()}});
-    for (Eigen::Index i = 0; i < line.rows(); ++i) points.emplace_back(line.row(i));
+                      {"first", vertices.size()},
+                      {"n", curve.vertices.size()},
+                      {"ends", {edge.vertices[0], edge.vertices[1]}}});
+    vertices.insert(vertices.end(), curve.vertices.begin(), curve.vertices.end());
   }
-  Points positions(static_cast<Eigen::Index>(points.size()), 3);
-  std::vector<int> vertices(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    positions.row(static_cast<Eigen::Index>(i)) = points[i];
-    vertices[i] = static_cast<int>(i);
-  }
-  const Eigen::RowVector3d origin = middle_of(positions);
+  const Eigen::RowVector3d origin = middle_of(network.positions);
   draft.json["origin"] = json_of(origin);
-  draft.add_points("network.positions", positions, origin);
+  draft.add_points("network.positions", network.positions, origin);
   draft.add_indices("network.vertices", vertices);
   draft.add_indices("network.nodes", {});
   draft.json["curves"] = std::move(curves);

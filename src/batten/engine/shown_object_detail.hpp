@@ -35,6 +35,9 @@ void draw_mesh(Draft& draft, const TriangleMesh& mesh, const Eigen::RowVector3d&
 /// one after the other) and network.nodes; the curves under "curves".
 void draw_network(Draft& draft, const CurveNetwork& network, const Eigen::RowVector3d& origin);
 
+/// The drawn curves of a model, a curve for every edge, that share no vertices.
+CurveNetwork curves_of(const PolylineMesh& model);
+
 /// The same of the drawn curves of a model, a piece for every edge. @return their middle, which is the
 /// origin.
 Eigen::RowVector3d draw_model(Draft& draft, const PolylineMesh& model);

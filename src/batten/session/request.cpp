@@ -108,9 +108,11 @@ Request default_request(RequestKind kind) {
     case RequestKind::Subdivide:
       return SubdivideRequest{};
     case RequestKind::Deform:
+      return DeformRequest{};
+    case RequestKind::Repair:
       break;
   }
-  return DeformRequest{};
+  return RepairRequest{};
 }
 
 ObjectKind source_kind(RequestKind kind) {

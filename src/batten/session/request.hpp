@@ -13,6 +13,7 @@
 #include "batten/pipeline/deformed_mesh.hpp"
 #include "batten/pipeline/network_surface.hpp"
 #include "batten/pipeline/remeshed_mesh.hpp"
+#include "batten/pipeline/repaired_mesh.hpp"
 #include "batten/pipeline/simplified_mesh.hpp"
 #include "batten/pipeline/subdivided_cage.hpp"
 #include "batten/scan/reconstruct.hpp"
@@ -93,11 +94,16 @@ struct DeformRequest {
   Handles handles() const;
 };
 
+/// A mesh mended: repaired_mesh().
+struct RepairRequest {
+  RepairedMeshOptions options;
+};
+
 using Request = std::variant<NetworkRequest, SurfaceRequest, ModelSurfaceRequest, FairRequest, RemeshRequest,
-                             SimplifyRequest, SubdivideRequest, DeformRequest>;
+                             SimplifyRequest, SubdivideRequest, DeformRequest, RepairRequest>;
 
 /// Which request it is, for choices and files.
-enum class RequestKind { Network, Surface, ModelSurface, Fair, Remesh, Simplify, Subdivide, Deform };
+enum class RequestKind { Network, Surface, ModelSurface, Fair, Remesh, Simplify, Subdivide, Deform, Repair };
 constexpr auto choices_of(RequestKind) {
   return choices<RequestKind>("request", {{RequestKind::Network, "network"},
                                           {RequestKind::Surface, "surface"},
@@ -106,7 +112,8 @@ constexpr auto choices_of(RequestKind) {
                                           {RequestKind::Remesh, "remesh"},
                                           {RequestKind::Simplify, "simplify"},
                                           {RequestKind::Subdivide, "subdivide"},
-                                          {RequestKind::Deform, "deform"}});
+                                          {RequestKind::Deform, "deform"},
+                                          {RequestKind::Repair, "repair"}});
 }
 RequestKind kind_of(const Request& request);
 /// A request with default options.

@@ -225,5 +225,13 @@ void visit_fields(DeformRequest& request, Visitor& visit) {
   visit("fixed", request.fixed);
   visit("moved", request.moved);
 }
+template <typename Visitor>
+void visit_fields(RepairRequest& request, Visitor& visit) {
+  auto& [weld, weld_length, orient, fill_holes] = request.options;
+  visit("weld", weld);
+  visit("weld_length", weld_length);
+  visit("orient", orient);
+  visit("fill_holes", fill_holes);
+}
 
 }  // namespace batten::detail

@@ -55,6 +55,9 @@ class Runner {
   RequestResult operator()(const DeformRequest& request) const {
     return deformed_mesh(mesh(), request.handles(), request.options, progress_);
   }
+  RequestResult operator()(const RepairRequest& request) const {
+    return repaired_mesh(mesh(), request.options, progress_);
+  }
 
  private:
   /// What the source holds.
@@ -94,6 +97,11 @@ std::vector<std::string> warnings_in(const CurvesSurface& result) {
   if (result.strokes) warnings = result.strokes->warnings;
   const std::vector<std::string>& more = result.surface.warnings;
   warnings.insert(warnings.end(), more.begin(), more.end());
+  return warnings;
+}
+std::vector<std::string> warnings_in(const RepairedMesh& result) {
+  std::vector<std::string> warnings = result.warnings;
+  warnings.insert(warnings.end(), result.flaws.begin(), result.flaws.end());
   return warnings;
 }
 template <typename Result>

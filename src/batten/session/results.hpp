@@ -13,6 +13,7 @@
 #include "batten/pipeline/faired_mesh.hpp"
 #include "batten/pipeline/network_surface.hpp"
 #include "batten/pipeline/remeshed_mesh.hpp"
+#include "batten/pipeline/repaired_mesh.hpp"
 #include "batten/pipeline/simplified_mesh.hpp"
 #include "batten/pipeline/subdivided_cage.hpp"
 #include "batten/scan/reconstruct.hpp"
@@ -24,7 +25,7 @@ namespace batten {
 
 /// What a request gives, in the order of Request and RequestKind.
 using RequestResult = std::variant<ScanNetwork, CurvesSurface, ModelSurface, FairedMesh, RemeshedMesh,
-                                   SimplifiedMesh, SubdividedCage, DeformedMesh>;
+                                   SimplifiedMesh, SubdividedCage, DeformedMesh, RepairedMesh>;
 
 /// Does what a request asks: one call for every kind. A mesh that is a cage is refined as it is, all its
 /// edges smooth.

@@ -141,8 +141,8 @@ export class Store {
   }
 
   /** An edit whose refusal the caller shows. @throws EngineError */
-  async send(edit: Edit): Promise<void> {
-    await this.engine.ask({ op: 'edit', edit });
+  async send(edit: Edit, drag = 0): Promise<void> {
+    await this.engine.ask({ op: 'edit', edit, drag });
     await this.refresh();
   }
 
@@ -174,9 +174,9 @@ export class Store {
   isShown(object: ObjectEntry): boolean {
     if (object.kind === 'scan' || object.kind === 'calibration' || object.kind === 'view') return false;
     if (object.id === this.selected.value) return true;
-    // What something else was made of makes room for what was made of it; a model not before its surface is there.
+    // What something else was made of makes room for what was made of it; models and meshes not before that is there.
     const made = this.objects.value.filter((other) => other.source === object.id);
-    return object.kind === 'model' ? !made.some((other) => this.drawn.value.has(other.id)) : made.length === 0;
+    return object.kind === 'model' || object.kind === 'mesh' ? !made.some((other) => this.drawn.value.has(other.id)) : made.length === 0;
   }
 
   async show(id: string): Promise<Drawn | null> {
@@ -381,6 +381,7 @@ export class Store {
           }
         : {}),
       ...(json.mesh ? { mesh: json.mesh as NonNullable<Drawn['mesh']> } : {}),
+      ...(json.done ? { done: json.done as string[] } : {}),
       ...(json.report ? { report: json.report as NonNullable<Drawn['report']> } : {}),
       ...(coarse
         ? { live: { lambda: json.lambda as number, mu: json.mu as number, misfit: json.misfit as number } }
@@ -412,12 +413,15 @@ export class Store {
     const objects = json.objects as ObjectEntry[];
     const there = new Set(objects.map((one) => one.id));
     batch(() => {
+      // What was selected and is gone leaves the selection to what it was made of.
+      let chosen = this.selected.value;
+      while (chosen && !there.has(chosen)) chosen = this.objects.value.find((one) => one.id === chosen)?.source ?? null;
       this.objects.value = objects;
       this.outdated.value = new Set(json.outdated as string[]);
       this.canUndo.value = json.can_undo as boolean;
       this.canRedo.value = json.can_redo as boolean;
       this.log.value = json.log as string[];
-      if (this.selected.value && !there.has(this.selected.value)) this.selected.value = null;
+      this.selected.value = chosen;
       if ([...this.drawn.value.keys()].some((id) => !there.has(id)))
         this.drawn.value = new Map([...this.drawn.value].filter(([id]) => there.has(id)));
     });

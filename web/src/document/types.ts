@@ -35,6 +35,8 @@ export interface CurveEntry {
   /** Its number and sharpness in a model. */
   curve?: number;
   sharpness?: number;
+  /** The vertices at its ends in a model. */
+  ends?: [number, number];
   /** Where its vertices stand in Drawn.network.vertices. */
   first: number;
   n: number;
@@ -49,7 +51,21 @@ export interface MeshFigures {
   genus: number | null;
   problems: string[];
   smallest_angle: number;
+  mean_smallest_angle: number;
+  largest_angle: number;
+  /** The share of triangles with an angle below 20°. */
+  slivers: number;
+  mean_aspect: number;
+  worst_aspect: number | null;
+  /** The middle of the triangle of that. */
+  worst: [number, number, number] | null;
+  shortest_edge: number;
   mean_edge: number;
+  longest_edge: number;
+  /** The share of inner vertices with six edges. */
+  regular: number;
+  area: number;
+  volume: number | null;
   diameter: number;
 }
 
@@ -86,6 +102,8 @@ export interface Drawn {
   curves: CurveEntry[];
   warnings: string[];
   flaws: string[];
+  /** What was mended, a line for each kind. */
+  done?: string[];
   mesh?: MeshFigures;
   report?: ScanFigures;
   live?: { lambda: number; mu: number; misfit: number };

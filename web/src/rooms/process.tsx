@@ -4,9 +4,11 @@ import type { App } from '../app';
 import type { RequestOptions } from '../document/types';
 import { Check, Choice, Figures, Section, Slider } from '../ui/controls';
 import { degrees, short } from '../ui/numbers';
+import { BendPart } from './bend';
+import { bendingOf } from './bending';
 import { Sentences } from './reconstruct';
 
-type Step = 'fair' | 'remesh' | 'simplify' | 'subdivide';
+type Step = 'fair' | 'repair' | 'remesh' | 'simplify' | 'subdivide' | 'deform';
 
 interface Settings {
   fairMethod: string;
@@ -17,7 +19,18 @@ interface Settings {
   remove: number;
   scheme: string;
   levels: number;
+  weld: 'auto' | 'length' | 'off';
+  /** Of the diameter, in per cent. */
+  weldLength: number;
+  orient: boolean;
+  holes: 'none' | 'small' | 'all';
+  holeEdges: number;
+  energy: string;
+  detail: string;
 }
+
+/** What the engine calls all holes. */
+const ALL_HOLES = 2 ** 31 - 1;
 
 /** The request of a step, and the command line that does the same. */
 export function stepOf(step: Step, settings: Settings, name: string): { request: RequestOptions; command: string } {
@@ -35,6 +48,22 @@ export function stepOf(step: Step, settings: Settings, name: string): { request:
         request: { kind: 'remesh', n_vertices: settings.vertices, adaptivity: settings.adaptivity, keep_edges: radians },
         command: `${start} --vertices ${settings.vertices} --adaptivity ${settings.adaptivity} --keep-edges ${settings.keepEdges}deg`,
       };
+    case 'repair': {
+      const weld = settings.weld === 'length' ? ` --weld ${settings.weldLength}%` : settings.weld === 'off' ? ' --weld off' : '';
+      const holes = settings.holes === 'all' ? ' --fill-holes all' : settings.holes === 'small' ? ` --fill-holes ${settings.holeEdges}` : '';
+      return {
+        request: {
+          kind: 'repair',
+          weld: settings.weld !== 'off',
+          weld_length: settings.weld === 'length' ? { value: settings.weldLength / 100, kind: 'relative' } : null,
+          orient: settings.orient,
+          fill_holes: settings.holes === 'all' ? ALL_HOLES : settings.holes === 'small' ? settings.holeEdges : 0,
+        },
+        command: `${start}${weld}${settings.orient ? ' --orient' : ''}${holes}`,
+      };
+    }
+    case 'deform': // the request is made while it is dragged
+      return { request: { kind: 'deform' }, command: `${start} --handles handles.json --energy ${settings.energy} --nonlinear ${settings.detail}` };
     case 'simplify':
       return {
         request: { kind: 'simplify', remove: settings.remove / 100 },
@@ -50,9 +79,11 @@ export function stepOf(step: Step, settings: Settings, name: string): { request:
 
 const TITLES: Record<Step, string> = {
   fair: 'Remove noise',
+  repair: 'Repair',
   remesh: 'New triangles',
   simplify: 'Fewer triangles',
   subdivide: 'Subdivide',
+  deform: 'Deform',
 };
 
 export function ProcessPanel({ app }: { app: App }) {
@@ -68,14 +99,22 @@ export function ProcessPanel({ app }: { app: App }) {
     remove: 50,
     scheme: 'catmull-clark',
     levels: 2,
+    weld: 'auto',
+    weldLength: 0.01,
+    orient: false,
+    holes: 'none',
+    holeEdges: 50,
+    energy: 'total',
+    detail: 'gauss-newton',
   });
   if (object?.kind !== 'mesh') return <p class="empty">Select a mesh in the outline.</p>;
   const set = (patch: Partial<Settings>) => setSettings({ ...settings, ...patch });
   const drawn = store.drawn.value.get(object.id);
   const before = object.source ? store.drawn.value.get(object.source) : undefined;
-  const used = { ...settings, vertices: settings.vertices || (drawn?.mesh?.n_vertices ?? 1000) };
+  const bending = bendingOf(app);
+  const used = { ...settings, energy: bending.energy.value, detail: bending.detail.value, vertices: settings.vertices || (drawn?.mesh?.n_vertices ?? 1000) };
   const { request, command } = stepOf(step, used, object.name);
-  const isResult = object.request !== undefined && ['fair', 'remesh', 'simplify', 'subdivide'].includes(object.request.kind);
+  const isResult = object.request !== undefined && object.request.kind in TITLES;
   return (
     <>
       <h2>{object.name}</h2>
@@ -135,6 +174,62 @@ export function ProcessPanel({ app }: { app: App }) {
             />
           </>
         )}
+        {step === 'repair' && (
+          <>
+            <Choice
+              label="Weld"
+              help="Borders that lie on each other become one."
+              value={settings.weld}
+              options={[
+                ['auto', 'as the mesh suggests'],
+                ['length', 'up to a distance'],
+                ['off', 'not'],
+              ]}
+              onChange={(weld) => set({ weld })}
+            />
+            {settings.weld === 'length' && (
+              <Slider
+                label="Distance"
+                help="Up to which borders are welded, of the diameter."
+                unit="%"
+                min={0.0001}
+                max={1}
+                logarithmic
+                value={settings.weldLength}
+                onChange={(weldLength) => set({ weldLength: Number(weldLength.toPrecision(2)) })}
+              />
+            )}
+            <Choice
+              label="Holes"
+              help="Filled by fair surfaces that follow what is around them."
+              value={settings.holes}
+              options={[
+                ['none', 'left open'],
+                ['small', 'filled up to a size'],
+                ['all', 'all filled'],
+              ]}
+              onChange={(holes) => set({ holes })}
+            />
+            {settings.holes === 'small' && (
+              <Slider
+                label="Edges"
+                help="Of the largest hole that is filled."
+                min={3}
+                max={1000}
+                logarithmic
+                value={settings.holeEdges}
+                onChange={(value) => set({ holeEdges: Math.round(value) })}
+              />
+            )}
+            <Check
+              label="Turn closed parts outward"
+              help="And inward those that lie within another."
+              value={settings.orient}
+              onChange={(orient) => set({ orient })}
+            />
+          </>
+        )}
+        {step === 'deform' && <BendPart app={app} />}
         {step === 'simplify' && (
           <Slider
             label="Remove"
@@ -170,9 +265,9 @@ export function ProcessPanel({ app }: { app: App }) {
             />
           </>
         )}
-        <button type="button" class="primary" onClick={() => void app.process(object.id, `${object.name} ${step}`, request)}>
+        {step !== 'deform' && (<button type="button" class="primary" onClick={() => void app.process(object.id, `${object.name} ${step}`, request)}>
           {TITLES[step]}
-        </button>
+        </button>)}
         <label class="command">
           The same on the command line
           <input type="text" readOnly value={command} onFocus={(event) => event.currentTarget.select()} />
@@ -192,6 +287,8 @@ export function ProcessPanel({ app }: { app: App }) {
               ['closed', drawn?.mesh ? (drawn.mesh.closed ? 'yes' : 'no') : '–'],
             ]}
           />
+          <Sentences title="Done" list={drawn?.done ?? []} />
+          <Sentences title="Left" list={object.request?.kind === 'repair' ? (drawn?.flaws ?? []) : []} />
           <Sentences title="Warnings" list={drawn?.warnings ?? []} />
           <button type="button" onClick={() => void app.throwAway(object.id)}>
             Throw away

@@ -1,9 +1,11 @@
 /** The keys and what the mouse does. */
 import { useEffect, useRef } from 'preact/hooks';
 import type { App } from '../app';
+import { registerAll } from './all-commands';
 import { available, commands } from './commands';
 
 export function Help({ app }: { app: App }) {
+  registerAll(app);
   const dialog = useRef<HTMLDialogElement>(null);
   useEffect(() => dialog.current?.showModal(), []);
   return (

@@ -1,9 +1,11 @@
 /** Every command, found by its words. */
 import { useEffect, useRef, useState } from 'preact/hooks';
 import type { App } from '../app';
+import { registerAll } from './all-commands';
 import { available, search } from './commands';
 
 export function Palette({ app }: { app: App }) {
+  registerAll(app);
   const dialog = useRef<HTMLDialogElement>(null);
   const [text, setText] = useState('');
   const [at, setAt] = useState(0);

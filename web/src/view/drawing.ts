@@ -3,7 +3,8 @@
  * through both places that faces the viewer most; else on the surface under it, or on the chosen plane.
  */
 import { Plane, Vector3 } from 'three';
-import type { View } from './scene';
+import { highlight, stroke as strokeLine } from './overlays';
+import type { PointerTool, View } from './scene';
 
 export type Ground = 'plane' | 'surface';
 export type Axis = 'x' | 'y' | 'z';
@@ -23,50 +24,42 @@ interface Sample {
   y: number;
 }
 
-export class Drawing {
+export class Drawing implements PointerTool {
+  readonly cursor = 'crosshair';
   ground: Ground = 'plane';
   axis: Axis = 'z';
   offset = 0;
   onStroke: (stroke: Stroke) => void = () => {};
   /** What a click without a stroke meets. */
-  onPick: (curve: { object: string; curve: number } | null) => void = () => {};
-  private active = false;
+  onPick: (curve: { object: string; curve: number; index: number } | null) => void = () => {};
+  /** What a stroke is as far as it was drawn, and null when there is none any more. */
+  onPreview: (stroke: Stroke | null) => void = () => {};
+  /** Strokes that are no curves yet and can be met all the same. */
+  loose: { name: string; points: Vector3[] }[] = [];
   private samples: Sample[] = [];
   private pointer: number | null = null;
   private reach = REACH.mouse;
 
-  constructor(private view: View) {
-    view.camera.intercept = (event) => this.take(event);
-    const { element } = view;
-    element.addEventListener('pointermove', (event) => this.move(event));
-    element.addEventListener('pointerup', (event) => this.end(event));
-    element.addEventListener('pointercancel', () => this.abandon());
-  }
-
-  set enabled(on: boolean) {
-    this.active = on;
-    this.view.element.style.cursor = on ? 'crosshair' : '';
-    if (!on) this.abandon();
-  }
+  constructor(private view: View) {}
 
   /** Whether a pointer draws. Buttons other than the first, shift, and a second finger steer the view. */
-  private take(event: PointerEvent): boolean {
+  down(event: PointerEvent): boolean {
     if (this.pointer !== null && event.pointerId !== this.pointer) {
-      this.abandon();
+      this.cancel();
       return false;
     }
-    if (!this.active || event.button !== 0 || event.shiftKey || !event.isPrimary) return false;
+    if (event.button !== 0 || event.shiftKey || !event.isPrimary) return false;
     this.pointer = event.pointerId;
     this.reach = REACH[event.pointerType as keyof typeof REACH] ?? REACH.mouse;
     this.samples = [this.view.place(event)];
     return true;
   }
 
-  private move(event: PointerEvent): void {
+  move(event: PointerEvent): void {
     if (event.pointerId !== this.pointer) {
-      if (this.active && event.pointerType === 'mouse' && event.buttons === 0) {
+      if (event.pointerType === 'mouse' && event.buttons === 0) {
         const place = this.view.place(event);
-        this.view.highlight(this.view.nearestCurve(place.x, place.y, REACH.mouse)?.point ?? null);
+        highlight(this.view, this.nearest(place.x, place.y, REACH.mouse)?.point ?? null);
       }
       return;
     }
@@ -75,10 +68,12 @@ export class Drawing {
       const last = this.samples[this.samples.length - 1];
       if (!last || Math.hypot(place.x - last.x, place.y - last.y) >= LEAST_STEP) this.samples.push(place);
     }
-    this.view.setStroke(this.inSpace().points);
+    const stroke = this.inSpace();
+    strokeLine(this.view, stroke.points);
+    this.onPreview(stroke);
   }
 
-  private end(event: PointerEvent): void {
+  up(event: PointerEvent): void {
     if (event.pointerId !== this.pointer) return;
     const { samples } = this;
     const first = samples[0];
@@ -87,18 +82,39 @@ export class Drawing {
     this.pointer = null;
     this.samples = [];
     if (isClick && first) {
-      this.view.setStroke(null);
+      strokeLine(this.view, null);
+      this.onPreview(null);
       const found = this.view.nearestCurve(first.x, first.y, this.reach);
-      this.onPick(found ? { object: found.object, curve: found.curve } : null);
+      this.onPick(found);
     } else {
       this.onStroke(stroke);
     }
   }
 
-  private abandon(): void {
+  isDrawing(): boolean {
+    return this.pointer !== null;
+  }
+
+  cancel(): void {
+    if (this.pointer !== null) {
+      strokeLine(this.view, null);
+      this.onPreview(null);
+    }
     this.pointer = null;
     this.samples = [];
-    this.view.setStroke(null);
+    highlight(this.view, null);
+  }
+
+  /** The curve or loose stroke that passes nearest to a pixel. */
+  private nearest(x: number, y: number, within: number): { point: Vector3; distance: number } | null {
+    let best: { point: Vector3; distance: number } | null = this.view.nearestCurve(x, y, within);
+    for (const { points } of this.loose)
+      for (const point of points) {
+        const at = this.view.onScreen(point);
+        const distance = Math.hypot(at.x - x, at.y - y);
+        if (distance < (best?.distance ?? within)) best = { point, distance };
+      }
+    return best;
   }
 
   /** The samples as a stroke in the coordinates of the model. */
@@ -106,8 +122,8 @@ export class Drawing {
     const { view, samples } = this;
     const [first, last] = [samples[0], samples[samples.length - 1]];
     if (!first || !last) return { points: [] };
-    const from = view.nearestCurve(first.x, first.y, this.reach);
-    const to = samples.length > 2 ? view.nearestCurve(last.x, last.y, this.reach) : null;
+    const from = this.nearest(first.x, first.y, this.reach);
+    const to = samples.length > 2 ? this.nearest(last.x, last.y, this.reach) : null;
     let points: Vector3[];
     if (from && to && from.point.distanceTo(to.point) > 1e-9 * view.size()) {
       points = this.onPlane(this.planeThrough(from.point, to.point));

@@ -4,13 +4,11 @@ import {
   BufferGeometry,
   Color,
   DynamicDrawUsage,
-  GridHelper,
   Group,
-  Line,
-  LineBasicMaterial,
   Mesh,
   Points,
   PointsMaterial,
+  type Object3D,
   type Ray,
   Raycaster,
   Scene,
@@ -53,6 +51,16 @@ export interface Look {
   nodes: boolean;
 }
 
+/** What a pointer does while it is down, where it does not steer the view. */
+export interface PointerTool {
+  cursor: string;
+  /** Whether the pointer is this tool's. */
+  down(event: PointerEvent): boolean;
+  move(event: PointerEvent): void;
+  up(event: PointerEvent): void;
+  cancel(): void;
+}
+
 export class View {
   readonly renderer: WebGLRenderer;
   readonly camera: ViewCamera;
@@ -60,9 +68,12 @@ export class View {
   private shown = new Map<string, Shown>();
   private origin: [number, number, number] | null = null;
   private pinned: Points | null = null;
-  private stroke: Line | null = null;
-  private marker: Points | null = null;
-  private grid: GridHelper | null = null;
+  private overlays = new Map<string, Object3D>();
+  private veiled = new Set<string>();
+  /** What pointers do beside steering the view. */
+  private tool: PointerTool | null = null;
+  /** Called after every picture, for what is drawn over it. */
+  readonly onDrawn = new Set<() => void>();
   private emptySize = 1;
   private asked = false;
   private look: Look = { shading: 'shaded', stripes: 28, flat: false, curves: true, nodes: true };
@@ -76,6 +87,10 @@ export class View {
     this.renderer.domElement.setAttribute('aria-hidden', 'true');
     element.append(this.renderer.domElement);
     this.camera = new ViewCamera(element, (x, y) => this.pick(x, y), () => this.draw());
+    this.camera.intercept = (event) => this.tool?.down(event) ?? false;
+    element.addEventListener('pointermove', (event) => this.tool?.move(event));
+    element.addEventListener('pointerup', (event) => this.tool?.up(event));
+    element.addEventListener('pointercancel', () => this.tool?.cancel());
     new ResizeObserver(() => this.resize()).observe(element);
     this.resize();
   }
@@ -157,6 +172,45 @@ export class View {
 
   // ---- drawing on it ----------------------------------------------------------------------------------------------
 
+  /** The tool that has the pointers from now on; null: the view alone. */
+  setTool(tool: PointerTool | null): void {
+    if (this.tool === tool) return;
+    this.tool?.cancel();
+    this.tool = tool;
+    this.element.style.cursor = tool?.cursor ?? '';
+  }
+
+  /** Something drawn beside the objects, by its name, in coordinates less middle(); null takes it away. */
+  overlay(name: string, object: Object3D | null): void {
+    const old = this.overlays.get(name);
+    if (!old && !object) return;
+    if (old) {
+      this.scene.remove(old);
+      old.traverse((one) => {
+        (one as Partial<Mesh>).geometry?.dispose(); // not the material: its program would be compiled again for the next
+      });
+      this.overlays.delete(name);
+    }
+    if (object) {
+      this.overlays.set(name, object);
+      this.scene.add(object);
+    }
+    this.draw();
+  }
+
+  /** Objects that are there and not drawn, while something stands in their place. */
+  veil(ids: readonly string[]): void {
+    this.veiled = new Set(ids);
+    for (const [id, { group }] of this.shown) group.visible = !this.veiled.has(id);
+    this.draw();
+  }
+
+  /** Where a point less middle() is seen, in pixels. */
+  onScreen(point: Vector3): Vector2 {
+    const at = point.clone().project(this.camera.camera);
+    return new Vector2(((at.x + 1) / 2) * this.element.clientWidth, ((1 - at.y) / 2) * this.element.clientHeight);
+  }
+
   /** Where a pointer is, in pixels of the view. */
   place(event: { clientX: number; clientY: number }): Vector2 {
     const box = this.element.getBoundingClientRect();
@@ -180,6 +234,10 @@ export class View {
     const [x, y, z] = this.middle();
     return [point.x + x, point.y + y, point.z + z];
   }
+  fromModel(point: readonly number[]): Vector3 {
+    const [x, y, z] = this.middle();
+    return new Vector3((point[0] ?? 0) - x, (point[1] ?? 0) - y, (point[2] ?? 0) - z);
+  }
   /** Of what is shown: the radius of the ball around it. */
   size(): number {
     return this.shown.size > 0 ? this.bounds().radius || 1 : this.emptySize;
@@ -195,15 +253,15 @@ export class View {
     x: number,
     y: number,
     within: number,
-  ): { object: string; curve: number; name: string; point: Vector3 } | null {
+  ): { object: string; curve: number; index: number; name: string; point: Vector3; distance: number } | null {
     let best = within;
-    let found: { object: string; curve: number; name: string; point: Vector3 } | null = null;
+    let found: ReturnType<View['nearestCurve']> = null;
     const { clientWidth: width, clientHeight: height } = this.element;
     const at = new Vector3();
     for (const [object, { drawn, group }] of this.shown) {
       if (!drawn.network) continue;
       const { positions, vertices } = drawn.network;
-      drawn.curves.forEach((curve) => {
+      drawn.curves.forEach((curve, index) => {
         let before: { x: number; y: number; point: Vector3 } | null = null;
         for (let i = curve.first; i < curve.first + curve.n; ++i) {
           const v = vertices[i] ?? 0;
@@ -217,7 +275,7 @@ export class View {
             const distance = Math.hypot(before.x + t * dx - x, before.y + t * dy - y);
             if (distance < best) {
               best = distance;
-              found = { object, curve: curve.curve ?? -1, name: curve.name, point: before.point.clone().lerp(point, t) };
+              found = { object, curve: curve.curve ?? -1, index, name: curve.name, point: before.point.clone().lerp(point, t), distance };
             }
           }
           before = here;
@@ -225,57 +283,6 @@ export class View {
       });
     }
     return found;
-  }
-
-  /** The stroke that is being drawn, or was refused, in coordinates of the model; null takes it away. */
-  setStroke(points: readonly (readonly [number, number, number])[] | null, refused = false): void {
-    if (this.stroke) {
-      this.scene.remove(this.stroke);
-      this.stroke.geometry.dispose();
-      this.stroke = null;
-    }
-    if (points && points.length > 1) {
-      const [x, y, z] = this.middle();
-      const geometry = new BufferGeometry().setFromPoints(points.map((one) => new Vector3(one[0] - x, one[1] - y, one[2] - z)));
-      this.stroke = new Line(geometry, new LineBasicMaterial({ color: refused ? FAILS : 0x6a3fb5, depthTest: false }));
-      this.scene.add(this.stroke);
-    }
-    this.draw();
-  }
-
-  /** A place that a stroke would snap to. */
-  highlight(point: Vector3 | null): void {
-    if (!point && !this.marker) return;
-    if (!this.marker) {
-      const geometry = new BufferGeometry();
-      geometry.setAttribute('position', new BufferAttribute(new Float32Array(3), 3));
-      this.marker = new Points(geometry, new PointsMaterial({ color: 0x6a3fb5, size: 9, sizeAttenuation: false, depthTest: false }));
-      this.scene.add(this.marker);
-    }
-    this.marker.visible = point !== null;
-    if (point) this.marker.position.copy(point);
-    this.draw();
-  }
-
-  /** A grid on the plane that strokes lie on; null takes it away. */
-  setGrid(grid: { axis: 'x' | 'y' | 'z'; offset: number } | null): void {
-    if (this.grid) {
-      this.scene.remove(this.grid);
-      this.grid.dispose();
-      this.grid = null;
-    }
-    if (grid) {
-      const size = 2.4 * this.size();
-      this.grid = new GridHelper(size, 12, 0x7f8894, 0xb4bac4);
-      // A grid of three lies across y.
-      if (grid.axis === 'z') this.grid.rotation.x = Math.PI / 2;
-      if (grid.axis === 'x') this.grid.rotation.z = Math.PI / 2;
-      const [x, y, z] = this.middle();
-      this.grid.position.set(-x, -y, -z);
-      this.grid.position[grid.axis] += grid.offset;
-      this.scene.add(this.grid);
-    }
-    this.draw();
   }
 
   fit(): void {
@@ -316,6 +323,7 @@ export class View {
       shown.nodes = new Points(nodes, new PointsMaterial({ color: SHARP, size: 5, sizeAttenuation: false }));
       group.add(shown.nodes);
     }
+    group.visible = !this.veiled.has(drawn.id);
     this.scene.add(group);
     return shown;
   }
@@ -397,11 +405,17 @@ export class View {
 
   /** The place of a surface under a pixel. */
   pick(x: number, y: number): Vector3 | null {
-    const meshes = [...this.shown.values()].flatMap((shown) => (shown.mesh ? [shown.mesh] : []));
-    if (meshes.length === 0) return null;
+    return this.pickSurface(x, y)?.point ?? null;
+  }
+  /** The same with the object and the normal of the triangle there. */
+  pickSurface(x: number, y: number): { object: string; point: Vector3; normal: Vector3 } | null {
+    const seen = [...this.shown].filter(([, shown]) => shown.mesh && shown.group.visible);
+    if (seen.length === 0) return null;
     const caster = new Raycaster();
     caster.ray.copy(this.ray(x, y));
-    return caster.intersectObjects(meshes, false)[0]?.point ?? null;
+    const hit = caster.intersectObjects(seen.flatMap(([, { mesh }]) => mesh ?? []), false)[0];
+    const object = seen.find(([, { mesh }]) => mesh === hit?.object)?.[0];
+    return hit?.face && object ? { object, point: hit.point, normal: hit.face.normal } : null;
   }
 
   private dispose(shown: Shown): void {
@@ -436,7 +450,13 @@ export class View {
       const uniform = shown.mesh?.material.uniforms.up;
       if (uniform) uniform.value = up;
     }
+    for (const overlay of this.overlays.values())
+      overlay.traverse((one) => {
+        const uniform = ((one as Partial<Mesh>).material as Partial<ShaderMaterial> | undefined)?.uniforms?.up;
+        if (uniform) uniform.value = up;
+      });
     this.renderer.render(this.scene, this.camera.camera);
+    for (const told of this.onDrawn) told();
   }
 }
 

@@ -1,0 +1,87 @@
+/** Steps on meshes: a hole mended, a place pulled at; each with its command line, each undone. */
+import { expect, type Page, test } from '@playwright/test';
+import { picture } from './page';
+
+/** A sheet of n × n squares over 100 × 100, a little curved, without the middle one where it is torn. */
+function sheet(n: number, torn: boolean): string {
+  const lines = [];
+  for (let i = 0; i <= n; ++i)
+    for (let j = 0; j <= n; ++j) {
+      const [x, y] = [(100 * i) / n, (100 * j) / n];
+      lines.push(`v ${x} ${y} ${8 * Math.sin(x / 30) * Math.cos(y / 25)}`);
+    }
+  for (let i = 0; i < n; ++i)
+    for (let j = 0; j < n; ++j) {
+      if (torn && i === n / 2 && j === n / 2) continue;
+      const a = i * (n + 1) + j + 1;
+      lines.push(`f ${a} ${a + n + 1} ${a + n + 2}`, `f ${a} ${a + n + 2} ${a + 1}`);
+    }
+  return lines.join('\n');
+}
+
+test.setTimeout(60_000);
+
+async function open(page: Page, name: string, text: string): Promise<void> {
+  await page.goto('/');
+  await expect.poll(() => page.evaluate(() => globalThis.batten?.store.started.value)).toBe(true);
+  await page.evaluate(([name, text]) => globalThis.batten?.openFiles([[name, new Blob([text])]]), [name, text] as const);
+  await page.keyboard.press('Control+4');
+}
+
+const selected = (page: Page) =>
+  page.evaluate(() => {
+    const store = globalThis.batten?.store;
+    const object = store?.selectedObject.value;
+    const drawn = object && store?.drawn.value.get(object.id);
+    const z = [...(drawn?.positions ?? [])].filter((_, i) => i % 3 === 2).map((one) => one + (drawn?.origin[2] ?? 0));
+    return {
+      kind: object?.request?.kind,
+      borders: drawn?.mesh?.n_borders,
+      top: Math.max(...z),
+      motion: (object?.request?.moved as { translation: number[]; angle: number }[] | undefined)?.[0],
+    };
+  });
+
+test('a torn mesh is mended, with what was done and the same command line', async ({ page }) => {
+  await open(page, 'sheet.obj', sheet(20, true));
+  await page.getByLabel('Do', { exact: true }).selectOption('repair');
+  await page.getByLabel('Holes').selectOption('small');
+  await page.getByRole('spinbutton', { name: 'Edges' }).fill('6');
+  await page.getByRole('spinbutton', { name: 'Edges' }).press('Enter');
+  await expect(page.getByLabel('The same on the command line')).toHaveValue('batten repair sheet.ply -o sheet-repair.ply --fill-holes 6');
+  await page.getByRole('button', { name: 'Repair', exact: true }).click();
+  await expect.poll(() => selected(page)).toMatchObject({ kind: 'repair', borders: 1 });
+  await expect(page.getByRole('heading', { name: 'Done' })).toBeVisible();
+  await page.keyboard.press('Control+z');
+  await expect.poll(() => page.evaluate(() => globalThis.batten?.store.objects.value.length)).toBe(1);
+});
+
+test('a place is held and dragged: a preview, a step, changed by a number, undone twice', async ({ page }) => {
+  await open(page, 'sheet.obj', sheet(30, false));
+  await page.getByLabel('Do', { exact: true }).selectOption('deform');
+  const rest = (await selected(page)).top;
+  const box = await page.getByRole('application').boundingBox();
+  if (!box) throw new Error('no view');
+  const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  await expect(page.getByText('vertices of the handle')).toBeVisible();
+  for (let i = 1; i <= 8; ++i) await page.mouse.move(x, y - 12 * i);
+  await page.mouse.up();
+  await expect.poll(() => selected(page)).toMatchObject({ kind: 'deform' });
+  await expect.poll(async () => (await selected(page)).top).toBeGreaterThan(rest + 5);
+  await picture(page, 'studio-process');
+  const z = page.getByRole('spinbutton', { name: /^Move z/ });
+  await z.fill('40');
+  await z.press('Enter');
+  await expect.poll(async () => (await selected(page)).motion?.translation[2]).toBe(40);
+  await expect.poll(async () => (await selected(page)).top).toBeGreaterThan(30);
+  await page.keyboard.press('Control+z');
+  await expect.poll(async () => (await selected(page)).motion?.translation[2]).toBeLessThan(40);
+  await page.keyboard.press('Control+z');
+  await expect.poll(() => page.evaluate(() => globalThis.batten?.store.objects.value.length)).toBe(1);
+  // By the keyboard alone.
+  await page.getByRole('application').focus();
+  await page.keyboard.press('Shift+D');
+  await expect(page.getByText('vertices of the handle')).toBeVisible();
+});
