@@ -14,11 +14,10 @@ namespace batten::studio {
 
 std::string step_file(const RequestResult& made, const std::string& unit, const Progress& progress) {
   require_step();
-  const Length one = unit.empty() ? Length{} : parse_length("1" + unit);
-  if (unit.empty() || one.kind != Length::Kind::Metres)
-    throw InvalidInput(concat("STEP files hold millimetres, and the unit of this object is ",
-                              unit.empty() ? "not known" : concat("'", unit, "'"),
-                              "; set it to m, cm, mm or in first"));
+  const Length one = parse_length(unit.empty() ? "1m" : "1" + unit);
+  if (one.kind != Length::Kind::Metres)
+    throw InvalidInput(concat("STEP files hold millimetres, and the unit of this object is '", unit,
+                              "'; set it to m, cm, mm or in first"));
   StepOptions options;
   options.millimetres_per_unit = 1000 * one.value;
   if (const auto* model = std::get_if<ModelSurface>(&made)) {

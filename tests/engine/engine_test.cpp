@@ -1,5 +1,8 @@
 #include "batten/engine/engine.hpp"
 
+#include "../session/random_project.hpp"
+#include "sanitizers.hpp"
+
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -9,12 +12,15 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <malloc.h>
 #include <nlohmann/json.hpp>
 
 #include "batten/core/text.hpp"
 #include "batten/io/mesh_io.hpp"
 #include "batten/io/scan_io.hpp"
 #include "batten/pipeline/reconstruction.hpp"
+#include "batten/session/edit_json.hpp"
+#include "batten/session/project.hpp"
 #include "batten/simulation/shapes.hpp"
 #include "batten/simulation/simulate.hpp"
 
@@ -376,6 +382,97 @@ TEST(Engine, SavesStepWhereItIsGivenAWriter) {
   const Json objects = ask(cad, {{"op", "document"}}).json["objects"];
   EXPECT_EQ(objects[2]["formats"].back(), "step");
   EXPECT_NE(objects[1]["formats"].back(), "step");
+}
+
+// 500 commands of every kind without a plan, as messages; then everything undone and done again. Documents
+// are compared whole, numbers bit for bit, on the way back at every tenth place.
+TEST(Engine, UndoesAndRedoesAnythingBitForBit) {
+  Engine engine;
+  const auto document = [&] {
+    const auto bytes = ask(engine, {{"op", "save"}}).array<char>("file");
+    return parse_project(std::string(bytes.begin(), bytes.end()), "project.batten").document;
+  };
+  const auto send = [&](const std::string& line) {
+    return ask(engine, {{"op", "edit"}, {"edit", Json::parse(line)}}).ok();
+  };
+  test::RandomProject project(11);
+  Document shadow;  // what the next command is made for
+  int n_done = 0;
+  constexpr int kCommands = test::repeated(500, 60);
+  for (int k = 0; k < kCommands; ++k) {
+    Edit edit = project.edit(shadow);
+    std::visit(
+        [](auto& one) {
+          if constexpr (requires { one.drag; }) one.drag = 0;
+        },
+        edit);
+    // The engine finds another name where one is taken; a document refuses.
+    if (auto* derive = std::get_if<DeriveEdit>(&edit)) derive->name += concat(" ", k);
+    bool is_done = true;
+    try {
+      shadow.apply(edit);
+    } catch (const RefusedEdit&) {
+      is_done = false;
+    }
+    ASSERT_EQ(send(format_edit(edit)), is_done) << k << ": " << format_edit(edit);
+    n_done += is_done ? 1 : 0;
+  }
+  EXPECT_GT(n_done, kCommands / 2);
+  EXPECT_TRUE(document() == shadow);
+  const auto in_step = [&](const Edit& edit) {
+    shadow.apply(edit);
+    return send(format_edit(edit));
+  };
+  while (shadow.can_redo()) ASSERT_TRUE(in_step(RedoEdit{}));
+  const Document last = document();
+  std::vector<std::pair<int, Document>> places;
+  int n_undone = 0;
+  for (; shadow.can_undo(); ++n_undone) {
+    if (n_undone % 10 == 0) places.emplace_back(n_undone, document());
+    ASSERT_TRUE(in_step(UndoEdit{}));
+  }
+  EXPECT_GT(n_undone, kCommands / 10);
+  EXPECT_TRUE(ask(engine, {{"op", "document"}}).json["objects"].empty());
+  for (; shadow.can_redo(); --n_undone) {
+    if (!places.empty() && places.back().first == n_undone) {
+      EXPECT_TRUE(document() == places.back().second) << n_undone;
+      places.pop_back();
+    }
+    ASSERT_TRUE(in_step(RedoEdit{}));
+  }
+  EXPECT_TRUE(document() == last);
+  EXPECT_TRUE(document() == shadow);
+}
+
+TEST(Engine, GivesBackItsMemoryWhenModelsAreClosed) {
+#if defined(__SANITIZE_ADDRESS__) || !defined(__GLIBC__)
+  GTEST_SKIP() << "sanitizers keep their own account of memory";
+#else
+  constexpr int kSide = 175;  // 2 · 174² triangles
+  TriangleMesh mesh;
+  mesh.positions.resize(kSide * kSide, 3);
+  for (int i = 0; i < kSide * kSide; ++i) mesh.positions.row(i) << i % kSide, i / kSide, 0;
+  mesh.triangles.resize(2 * (kSide - 1) * (kSide - 1), 3);
+  for (int y = 0, t = 0; y + 1 < kSide; ++y)
+    for (int x = 0; x + 1 < kSide; ++x) {
+      const int v = y * kSide + x;
+      mesh.triangles.row(t++) << v, v + 1, v + kSide + 1;
+      mesh.triangles.row(t++) << v, v + kSide + 1, v + kSide;
+    }
+  const std::string file = format_mesh(mesh, MeshFormat::Ply);
+  const auto used = [] { return static_cast<double>(mallinfo2().uordblks + mallinfo2().hblkhd); };
+  const auto open_and_close = [&](bool is_shown) {
+    Engine engine;
+    ASSERT_TRUE(ask(engine, {{"op", "open"}, {"name", "sheet.ply"}}, file).ok());
+    if (is_shown) {
+      ASSERT_TRUE(ask(engine, {{"op", "show"}, {"object", "o1"}}).ok());
+    }
+  };
+  open_and_close(true);
+  const double before = used();
+  for (int i = 0; i < 200; ++i) open_and_close(i % 20 == 0);
+  EXPECT_NEAR(used() / before, 1, 0.1);
+#endif
 }
 
 TEST(Engine, AnswersWhatGoesWrongInWords) {

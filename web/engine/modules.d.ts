@@ -11,6 +11,8 @@ declare module 'batten-engine' {
   export type EngineArray = Float32Array<ArrayBuffer> | Uint32Array<ArrayBuffer> | Uint8Array<ArrayBuffer>;
   export interface EngineModule {
     Engine: new () => NativeEngine;
+    /** All of the engine's memory. */
+    readonly HEAPU8: Uint8Array;
   }
   export default function load(options?: {
     locateFile?: (name: string) => string;

@@ -1,12 +1,15 @@
 /** What panels and commands ask for: puts the store and the view together. */
 import { effect, signal } from '@preact/signals';
 import sample from 'batten-sample?url';
+import { EngineError } from '../engine/engine';
 import { SocketEngine } from '../engine/socket';
 import { ACCEPTED, bytesOf, choose, download, fileName } from './document/files';
 import { type Folder, Server, type ServerFile } from './document/server';
 import type { Store } from './document/store';
-import type { Drawn, RequestOptions } from './document/types';
+import type { Drawn, ObjectEntry, RequestOptions } from './document/types';
 import { register } from './ui/commands';
+import type { Pin } from './ui/pins';
+import { SHOWN_UNITS, shownUnit } from './ui/numbers';
 import { startTour } from './ui/tour';
 import type { NamedView } from './view/camera';
 import type { Shading } from './view/materials';
@@ -21,7 +24,7 @@ export const ROOMS: readonly (readonly [Room, string])[] = [
 ];
 
 export interface Look {
-  shading: 'shaded' | 'wireframe' | 'isophotes' | 'reflection-lines' | 'normal-map' | 'mean-curvature' | 'gaussian-curvature' | 'error';
+  shading: 'shaded' | 'wireframe' | 'isophotes' | 'reflection-lines' | 'normal-map' | 'mean-curvature' | 'gaussian-curvature' | 'uncertainty' | 'error';
   stripes: number;
   flat: boolean;
   curves: boolean;
@@ -29,7 +32,9 @@ export interface Look {
 
 /** Triangles. */
 const NATIVE_ABOVE = 150_000;
-const VALUE_SHADINGS = ['mean-curvature', 'gaussian-curvature', 'error'];
+const UNIT_KEY = 'batten-unit';
+const COMPUTED_SHADINGS = ['mean-curvature', 'gaussian-curvature', 'uncertainty'];
+const VALUE_SHADINGS = [...COMPUTED_SHADINGS, 'error'];
 
 /** Linear colours as a gradient of the page. */
 function rampOf(rgb: Float32Array): string {
@@ -53,10 +58,17 @@ export class App {
   readonly hasServer = signal(false);
   private server: Server | null = null;
   private offered = false;
+  /** Places with something to be said of them. */
+  readonly pins = signal<Pin[]>([]);
   view: View | null = null;
   private readonly started: Promise<void>;
 
   constructor(readonly store: Store) {
+    try {
+      shownUnit.value = localStorage.getItem(UNIT_KEY) ?? '';
+    } catch {
+      // each object's own, then
+    }
     this.registerCommands();
     this.started = store.start(true);
     void this.findServer();
@@ -198,8 +210,35 @@ export class App {
   async saveObject(format: string): Promise<void> {
     const object = this.store.selectedObject.value;
     if (!object) return;
+    if (format === 'step') {
+      await this.saveStep(object.id, object.name);
+      return;
+    }
     const bytes = await this.store.save(object.id, format);
     if (bytes) await this.keep(bytes, fileName(object.name, format));
+  }
+
+  private async saveStep(id: string, name: string): Promise<void> {
+    if (!this.hasServer.value) {
+      this.store.tell(
+        'info',
+        'STEP files are written by the native library, which is not in this page.',
+        'Open the page by "batten studio", or save the network and run "batten surface network.json -o surface.step".',
+      );
+      return;
+    }
+    try {
+      const { stepFile } = await import('./document/step');
+      await this.keep(await stepFile(this.store.engine, id), fileName(name, 'step'));
+    } catch (error) {
+      this.store.tell('error', error instanceof Error ? error.message : String(error), error instanceof EngineError ? error.remedy : undefined);
+    }
+  }
+
+  /** What an object can be saved as, those of the server among it. */
+  formatsOf(object: ObjectEntry): string[] {
+    const isSurface = object.request?.kind === 'surface' || object.request?.kind === 'model-surface';
+    return isSurface && !object.formats.includes('step') ? [...object.formats, 'step'] : object.formats;
   }
 
   async saveProject(): Promise<void> {
@@ -216,13 +255,31 @@ export class App {
     download(new Blob([text]), fileName(name, extension));
   }
 
+  /** Says in which unit the numbers of an object are, and of what it was made of and what was made of it. */
+  async setObjectUnit(object: ObjectEntry, unit: string): Promise<void> {
+    let root = object;
+    for (let next: ObjectEntry | undefined = object; next; next = this.store.objects.value.find((one) => one.id === root.source)) root = next;
+    if (await this.store.edit({ op: 'unit', object: root.id, unit })) await this.store.showAll();
+  }
+
+  /** The unit that lengths are shown in; empty: each object's own. */
+  setUnit(unit: string): void {
+    shownUnit.value = unit;
+    try {
+      localStorage.setItem(UNIT_KEY, unit);
+    } catch {
+      // a browser that keeps nothing
+    }
+  }
+
   // ---- looking ----------------------------------------------------------------------------------------------------
 
   async setLook(patch: Partial<Look>): Promise<void> {
     this.look.value = { ...this.look.value, ...patch };
     const object = this.store.selectedObject.value;
     const { shading } = this.look.value;
-    if (object && (shading === 'mean-curvature' || shading === 'gaussian-curvature') && this.store.values.value?.shading !== shading)
+    const known = this.store.values.value;
+    if (object && COMPUTED_SHADINGS.includes(shading) && (known?.shading !== shading || known.object !== object.id))
       await this.store.computeValues(object.id, shading);
   }
 
@@ -288,6 +345,7 @@ export class App {
       ['mean-curvature', 'Mean curvature', 'Shift+M'],
       ['gaussian-curvature', 'Gaussian curvature', 'Shift+G'],
       ['wireframe', 'Triangles', 'Shift+W'],
+      ['uncertainty', 'How sure it is', 'Shift+U'],
     ];
     const views: [NamedView, string, string][] = [
       ['front', 'front', '1'],
@@ -303,10 +361,10 @@ export class App {
       { id: 'open-sample', title: 'Open the sample scan', run: () => this.openSample() },
       { id: 'save-project', title: 'Save the project', keys: 'Ctrl+S', when: hasObjects, run: () => this.saveProject() },
       { id: 'save-picture', title: 'Save a picture', keys: 'Ctrl+P', when: hasObjects, run: () => this.savePicture() },
-      ...['ply', 'obj', 'stl', '3mf', 'glb', 'json', 'rawnet'].map((format) => ({
+      ...['ply', 'obj', 'stl', '3mf', 'glb', 'step', 'json', 'rawnet'].map((format) => ({
         id: `save-${format}`,
         title: `Save the selected object as ${format.toUpperCase()}`,
-        when: () => store.selectedObject.value?.formats.includes(format) ?? false,
+        when: () => store.selectedObject.value !== null && this.formatsOf(store.selectedObject.value).includes(format),
         run: () => this.saveObject(format),
       })),
       { id: 'new', title: 'New project', when: hasObjects, run: () => store.clear() },
@@ -356,6 +414,12 @@ export class App {
           const dark = this.theme.value === 'dark' || (this.theme.value === 'system' && matchMedia('(prefers-color-scheme: dark)').matches);
           this.theme.value = dark ? 'light' : 'dark';
         },
+      },
+      {
+        id: 'unit',
+        title: 'Next unit of lengths',
+        keys: 'U',
+        run: () => this.setUnit(['', ...SHOWN_UNITS][(1 + ['', ...SHOWN_UNITS].indexOf(shownUnit.value)) % (1 + SHOWN_UNITS.length)] ?? ''),
       },
       { id: 'stop', title: 'Stop what is being computed', keys: 'Escape', when: () => store.work.value !== null, run: () => store.cancel() },
     );

@@ -166,8 +166,18 @@ export class Store {
     const run = ++this.shows;
     for (const object of this.objects.value) {
       if (run !== this.shows) return;
-      if (!this.hidden.value.has(object.id) && this.isShown(object)) await this.show(object.id);
+      if (!this.hidden.value.has(object.id) && this.isShown(object)) await this.showOrSource(object);
     }
+  }
+
+  /** What cannot be made anew is not shown as it was: what it is made of stands in its place. */
+  private async showOrSource(object: ObjectEntry): Promise<void> {
+    const source = object.request?.kind === 'model-surface' ? object.source : undefined;
+    // Nothing was drawn yet, or everything undone: no surface, and no fault.
+    const isEmpty = source !== undefined && (await this.show(source))?.curves.length === 0;
+    if (!isEmpty && (await this.show(object.id))) return;
+    this.dropDrawn(object.id);
+    if (object.source) await this.show(object.source);
   }
 
   /** Scans are no pictures, and a network is part of the picture of its surface. */

@@ -1,7 +1,7 @@
 /** Controls of a mesh that is pulled at. */
 import { useEffect } from 'preact/hooks';
 import type { App } from '../app';
-import { Choice, Figures, Slider } from '../ui/controls';
+import { Choice, Figures, LengthSlider, Slider } from '../ui/controls';
 import { short } from '../ui/numbers';
 import { bendingOf, handlesFile } from './bending';
 
@@ -85,7 +85,7 @@ export function BendPart({ app }: { app: App }) {
         onChange={(along) => (bending.along.value = along)}
       />
       {(['x', 'y', 'z'] as const).map((name, k) => (
-        <Slider
+        <LengthSlider
           key={name}
           label={`Move ${name}`}
           unit={held?.unit ?? ''}

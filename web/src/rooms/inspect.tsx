@@ -1,8 +1,9 @@
 /** How good a surface is: patterns of light, curvatures, distances, and a verdict per curve. */
-import { useState } from 'preact/hooks';
+import { useEffect, useState } from 'preact/hooks';
 import type { App, Look } from '../app';
-import { Check, Choice, Figures, Section, Slider } from '../ui/controls';
-import { degrees, length, short, toRadians } from '../ui/numbers';
+import { Check, Choice, Figures, LengthSlider, Section, Slider } from '../ui/controls';
+import { degrees, length, percent, shown, short, toRadians } from '../ui/numbers';
+import { type Axis, probingOf } from './probing';
 
 export function InspectPanel({ app }: { app: App }) {
   const { store } = app;
@@ -26,6 +27,7 @@ export function InspectPanel({ app }: { app: App }) {
             ['normal-map', 'normals'],
             ['mean-curvature', 'mean curvature'],
             ['gaussian-curvature', 'Gaussian curvature'],
+            ...(object.request?.kind === 'surface' ? [['uncertainty', 'how sure it is'] as const] : []),
             ['wireframe', 'triangles'],
           ]}
           onChange={(shading) => void app.setLook({ shading: shading as Look['shading'] })}
@@ -47,6 +49,9 @@ export function InspectPanel({ app }: { app: App }) {
         />
         <Check label="Curves" value={look.curves} onChange={(curves) => void app.setLook({ curves })} />
       </Section>
+      <LinesPart app={app} id={object.id} isMesh={mesh !== undefined} unit={object.unit} version={drawn.version} />
+      {mesh && <SectionPart app={app} id={object.id} unit={object.unit} />}
+      <MeasurePart app={app} unit={object.unit} />
       {mesh && <DistancePart app={app} id={object.id} unit={object.unit} />}
       {mesh && <ContinuityPart app={app} id={object.id} unit={object.unit} hasCurves={drawn.curves.length > 0} />}
       {mesh && (
@@ -58,11 +63,24 @@ export function InspectPanel({ app }: { app: App }) {
               ['closed', mesh.closed ? 'yes' : `no, ${mesh.n_borders} borders`],
               ['pieces', short(mesh.n_components)],
               ['handles', mesh.genus === null ? '–' : short(mesh.genus)],
-              ['smallest angle', degrees(mesh.smallest_angle)],
-              ['mean edge', length(mesh.mean_edge, object.unit)],
               ['diameter', length(mesh.diameter, object.unit)],
+              ['area', length(mesh.area, object.unit, 2)],
+              ['volume', mesh.volume === null ? '–' : length(mesh.volume, object.unit, 3)],
+              ['edges', `${length(mesh.shortest_edge, object.unit)} … ${length(mesh.longest_edge, object.unit)}`],
+              ['mean edge', length(mesh.mean_edge, object.unit)],
+              ['angles', `${degrees(mesh.smallest_angle)} … ${degrees(mesh.largest_angle)}`],
+              ['mean smallest angle', degrees(mesh.mean_smallest_angle)],
+              ['angles below 20°', percent(mesh.slivers)],
+              ['mean, worst aspect', `${short(mesh.mean_aspect, 3)}, ${short(mesh.worst_aspect, 3)}`],
+              ['vertices of six edges', percent(mesh.regular)],
             ]}
           />
+          <p class="hint">The aspect of a triangle is its circumradius over twice its inradius: 1 where its sides are equal.</p>
+          {mesh.worst && (
+            <button type="button" onClick={() => app.pointAt(object.id, mesh.worst as [number, number, number])}>
+              Show the worst triangle
+            </button>
+          )}
           {mesh.problems.map((problem) => (
             <p class="problem" key={problem}>
               {problem}
@@ -71,6 +89,138 @@ export function InspectPanel({ app }: { app: App }) {
         </Section>
       )}
     </>
+  );
+}
+
+/** Combs along curves and crosses of principal directions. */
+function LinesPart(props: { app: App; id: string; isMesh: boolean; unit: string; version: number }) {
+  const { app, id } = props;
+  const probing = probingOf(app);
+  const { combs, combLength, directions, cut, largest } = probing;
+  // Moved by its slider the section follows by itself.
+  useEffect(() => void probing.show(id), [probing, app.view, id, props.version, combs.value, combLength.value, directions.value, cut.value === null]);
+  useEffect(
+    () => () => {
+      void probing.show(null);
+      probing.setMeasuring(false);
+    },
+    [probing],
+  );
+  return (
+    <Section title="Curvature" open={false}>
+      <Check label="Combs along curves" help="As long as the curve is curved, away from the surface where it bends outward." value={combs.value} onChange={(on) => (combs.value = on)} />
+      <Slider
+        label="Longest"
+        help="Of the longest quill, as a part of what is seen."
+        unit="%"
+        min={1}
+        max={60}
+        value={combLength.value}
+        disabled={!combs.value}
+        onChange={(value) => (combLength.value = Math.round(value))}
+      />
+      {combs.value && largest.value !== null && (
+        <Figures rows={[['smallest radius', largest.value > 0 ? length(1 / largest.value, props.unit) : 'straight']]} />
+      )}
+      {props.isMesh && (
+        <Check
+          label="Principal directions"
+          help="Orange where the surface is curved most, blue across."
+          value={directions.value}
+          onChange={(on) => (directions.value = on)}
+        />
+      )}
+    </Section>
+  );
+}
+
+function SectionPart({ app, id, unit }: { app: App; id: string; unit: string }) {
+  const probing = probingOf(app);
+  const cut = probing.cut.value;
+  const found = probing.section.value;
+  const [low, high] = cut ? probing.extent(id, cut.axis) : [0, 1];
+  const { factor, unit: shownAs } = shown(unit);
+  const csv = () =>
+    [`curve,closed,length ${shownAs},area ${shownAs}^2`, ...(found?.curves ?? []).map((one, i) =>
+      [i, one.closed, one.length * factor, one.area === null ? '' : one.area * factor * factor].join(','))].join('\n');
+  const move = (axis: Axis, wanted: number) => {
+    // As fine as a slider is, so that the number can be read.
+    const [from, to] = probing.extent(id, axis);
+    const step = 10 ** Math.floor(Math.log10(Math.max(to - from, 1e-30) / 500));
+    const offset = Number((Math.round(wanted / step) * step).toPrecision(6));
+    probing.cut.value = { axis, offset };
+    probing.moveCut(id, axis, offset);
+  };
+  return (
+    <Section title="Section" open={cut !== null}>
+      <Check label="Cut by a plane" help="The curves in which it meets the surface." value={cut !== null} onChange={() => probing.toggleCut()} />
+      {cut && (
+        <>
+          <Choice
+            label="Across"
+            help="The axis that the plane is square to."
+            value={cut.axis}
+            options={[
+              ['x', 'x'],
+              ['y', 'y'],
+              ['z', 'z'],
+            ]}
+            onChange={(axis) => {
+              const [from, to] = probing.extent(id, axis);
+              move(axis, (from + to) / 2);
+            }}
+          />
+          <LengthSlider
+            label="At"
+            help="Where it cuts the axis."
+            unit={unit}
+            min={low}
+            max={high}
+            value={cut.offset}
+            onChange={(value) => move(cut.axis, value)}
+          />
+          {found && (
+            <Figures
+              rows={[
+                ['curves', short(found.curves.length)],
+                ['length', length(found.length, unit)],
+                ['area inside', found.curves.some((one) => one.closed) ? length(found.area, unit, 2) : '–'],
+              ]}
+            />
+          )}
+          <div class="tools">
+            <button type="button" disabled={!found?.curves.length} onClick={() => void probing.keepSection(id)}>
+              Keep as a network
+            </button>
+            <button type="button" disabled={!found?.curves.length} onClick={() => app.saveText(csv(), 'section', 'csv')}>
+              Save lengths as CSV
+            </button>
+          </div>
+        </>
+      )}
+    </Section>
+  );
+}
+
+function MeasurePart({ app, unit }: { app: App; unit: string }) {
+  const probing = probingOf(app);
+  const on = probing.measuring.value;
+  const [a, b] = probing.picked.value;
+  const way = a && b ? a.place.map((x, i) => (b.place[i] ?? 0) - x) : null;
+  const cosine = a?.normal && b?.normal ? a.normal.reduce((sum, x, i) => sum + x * (b.normal?.[i] ?? 0), 0) : null;
+  return (
+    <Section title="Measure" open={on}>
+      <Check label="Between two places" help="Click on the surface or on a curve, twice. A drag turns the view." value={on} onChange={(value) => probing.setMeasuring(value)} />
+      {on && (
+        <Figures
+          rows={[
+            ['distance', way ? length(Math.hypot(...way), unit) : '–'],
+            ...(['x', 'y', 'z'] as const).map((axis, k) => [`along ${axis}`, way ? length(way[k], unit) : '–'] as const),
+            ['between the normals', cosine === null ? '–' : degrees(Math.acos(Math.max(-1, Math.min(1, cosine))))],
+          ]}
+        />
+      )}
+    </Section>
   );
 }
 

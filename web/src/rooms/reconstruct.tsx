@@ -1,8 +1,10 @@
 /** From a scan to its surface: what the sliders of `batten reconstruct` set, seen at once. */
+import { useEffect } from 'preact/hooks';
 import type { App } from '../app';
-import type { ObjectEntry, RequestOptions } from '../document/types';
+import type { Drawn, ObjectEntry, RequestOptions } from '../document/types';
 import { Check, Choice, Figures, Section, Slider } from '../ui/controls';
 import { length, percent, short } from '../ui/numbers';
+import type { Pin } from '../ui/pins';
 
 /** The scan, network and surface that the selection belongs to. */
 export function chainOf(objects: ObjectEntry[], selected: string | null) {
@@ -29,6 +31,21 @@ interface Relative {
 export function ReconstructPanel({ app }: { app: App }) {
   const { store } = app;
   const chain = chainOf(store.objects.value, store.selected.value);
+  const surfaceDrawn = chain ? store.drawn.value.get(chain.surface.id) : undefined;
+  const networkDrawn = chain ? store.drawn.value.get(chain.network.id) : undefined;
+  useEffect(() => {
+    const asked = chain?.network.request;
+    const remedies: Pin['remedies'] = [];
+    const patch = (title: string, change: object) =>
+      remedies.push({ title, run: () => store.slide(chain?.network.id ?? '', { ...(asked as RequestOptions), ...change }, chain?.surface.id ?? null, true) });
+    if (asked?.robust === false) patch('Let wrong readings lose their say', { robust: true });
+    if (asked && (asked.sigma as number) < 1.4) patch('Average over more readings', { sigma: Number((1.5 * (asked.sigma as number)).toPrecision(3)) });
+    if (asked?.lengths === 'measured') patch('Estimate lengths from closure', { lengths: 'estimated' });
+    app.pins.value = surfaceDrawn?.coarse ? [] : pinsOf(surfaceDrawn, networkDrawn?.report?.distrusted ?? [], remedies);
+    return () => {
+      app.pins.value = [];
+    };
+  }, [app, surfaceDrawn, networkDrawn]);
   if (!chain) return <Welcome app={app} />;
   const { scan, network, surface } = chain;
   const drawn = store.drawn.value.get(surface.id);
@@ -163,6 +180,12 @@ export function ReconstructPanel({ app }: { app: App }) {
             ['diameter', length(drawn?.mesh?.diameter, surface.unit)],
           ]}
         />
+        <Check
+          label="How sure it is"
+          help="Standard deviations across the surface, as colours. Takes a while, and automatic weights."
+          value={app.look.value.shading === 'uncertainty'}
+          onChange={(on) => void app.setLook({ shading: on ? 'uncertainty' : 'shaded' })}
+        />
         <Distrusted app={app} scanCurves={drawn?.curves.map((curve) => curve.name) ?? []} shares={report?.distrusted ?? []} />
         <Sentences title="Warnings" list={[...(drawn?.flaws ?? []), ...(drawn?.warnings ?? [])]} />
       </Section>
@@ -174,7 +197,7 @@ export function ReconstructPanel({ app }: { app: App }) {
 function Distrusted(props: { app: App; scanCurves: string[]; shares: number[] }) {
   const list = props.shares
     .map((share, i) => ({ share, name: props.scanCurves[i] || `curve ${i + 1}` }))
-    .filter((one) => one.share > 0.02)
+    .filter((one) => one.share > DISTRUSTED_ABOVE)
     .sort((a, b) => b.share - a.share);
   if (list.length === 0) return null;
   return (
@@ -189,6 +212,36 @@ function Distrusted(props: { app: App; scanCurves: string[]; shares: number[] })
       </ul>
     </>
   );
+}
+
+/** The share of the readings of a curve from which on it is worth telling. */
+const DISTRUSTED_ABOVE = 0.02;
+
+/** What is to be said of places: curves that are distrusted, and sentences that name a place or a curve. */
+function pinsOf(drawn: Drawn | undefined, shares: number[], remedies: Pin['remedies']): Pin[] {
+  if (!drawn) return [];
+  const middleOf = (c: number): Pin['place'] | null => {
+    const curve = drawn.curves[c];
+    const v = curve && drawn.network?.vertices[curve.first + Math.floor(curve.n / 2)];
+    if (v === undefined) return null;
+    return [0, 1, 2].map((k) => (drawn.network?.positions[3 * v + k] ?? 0) + (drawn.origin[k] ?? 0)) as Pin['place'];
+  };
+  const pins: Pin[] = [];
+  shares.forEach((share, c) => {
+    const place = share > DISTRUSTED_ABOVE ? middleOf(c) : null;
+    const name = drawn.curves[c]?.name || `curve ${c + 1}`;
+    if (place) pins.push({ place, text: `${name}: ${percent(share)} of its readings are distrusted. Record it again.`, remedies });
+  });
+  for (const text of [...drawn.flaws, ...drawn.warnings]) {
+    const place = /\((-?[\d.e+-]+), (-?[\d.e+-]+), (-?[\d.e+-]+)\)/.exec(text);
+    const curve = /\bcurve (\d+)/.exec(text);
+    if (place) pins.push({ place: place.slice(1, 4).map(Number) as Pin['place'], text, remedies });
+    else if (curve) {
+      const at = middleOf(Number(curve[1])); // sentences of the engine count from 0
+      if (at) pins.push({ place: at, text, remedies });
+    }
+  }
+  return pins.slice(0, 30);
 }
 
 export function Sentences(props: { title: string; list: string[] }) {

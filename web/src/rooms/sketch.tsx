@@ -2,7 +2,7 @@
 import { useEffect, useState } from 'preact/hooks';
 import type { App } from '../app';
 import type { CurveEntry, RequestOptions } from '../document/types';
-import { Check, Choice, Figures, Section, Slider } from '../ui/controls';
+import { Check, Choice, Figures, LengthSlider, Section, Slider } from '../ui/controls';
 import { short } from '../ui/numbers';
 import type { Axis } from '../view/drawing';
 import { Sentences } from './reconstruct';
@@ -108,7 +108,7 @@ export function SketchPanel({ app }: { app: App }) {
             }
           }}
         />
-        <Slider
+        <LengthSlider
           label="Offset"
           help="Of the plane from the origin."
           unit={model.unit}

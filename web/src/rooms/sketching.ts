@@ -46,13 +46,15 @@ export function mirrored(points: readonly Place[], axis: Axis, offset: number): 
 
 /**
  * A stroke beside a plane of symmetry, with its image. A stroke that begins and ends in the plane becomes a closed curve with
- * it, one that only begins or ends there goes on in it; others have an image of their own.
+ * it, one that only begins or ends there goes on in it; others have an image of their own. What crosses the plane stays as it is.
  */
 export function completed(points: readonly Place[], axis: Axis, offset: number, near: number): { points: Place[]; closed?: boolean }[] {
   const k = AXES.indexOf(axis);
   const inPlane = (point: Place | undefined) => point !== undefined && Math.abs((point[k] ?? 0) - offset) <= near;
   const flat = (point: Place) => point.map((x, i) => (i === k ? offset : x)) as Place;
   if (points.every(inPlane)) return [{ points: points.map(flat) }];
+  const sides = points.filter((point) => !inPlane(point)).map((point) => Math.sign((point[k] ?? 0) - offset));
+  if (sides.includes(1) && sides.includes(-1)) return [{ points: [...points] }];
   const own = points.map((point) => [...point] as Place);
   const [starts, ends] = [inPlane(own[0]), inPlane(own[own.length - 1])];
   if (starts && own[0]) own[0] = flat(own[0]);

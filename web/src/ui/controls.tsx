@@ -1,6 +1,7 @@
 /** The few controls that panels are made of: native elements with a name, a unit and one sentence of help. */
 import type { ComponentChildren } from 'preact';
 import { useId } from 'preact/hooks';
+import { shown } from './numbers';
 
 interface Labelled {
   label: string;
@@ -76,6 +77,21 @@ export function Slider(
       </span>
       {props.help && <small class="help">{props.help}</small>}
     </div>
+  );
+}
+
+/** A slider of a length, in the unit that lengths are shown in. @param unit of the value. */
+export function LengthSlider(props: Parameters<typeof Slider>[0] & { unit: string }) {
+  const { factor, unit } = shown(props.unit);
+  return (
+    <Slider
+      {...props}
+      unit={unit}
+      value={props.value * factor}
+      min={props.min * factor}
+      max={props.max * factor}
+      onChange={(value, rest) => props.onChange(value / factor, rest)}
+    />
   );
 }
 

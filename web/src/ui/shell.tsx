@@ -4,11 +4,12 @@ import { type App, ROOMS } from '../app';
 import type { Notice } from '../document/store';
 import { ReconstructPanel } from '../rooms/reconstruct';
 import { View } from '../view/scene';
-import { milliseconds, short } from './numbers';
+import { milliseconds, short, shown as shownAs, SHOWN_UNITS, shownUnit } from './numbers';
 import { lazy } from './lazy';
 import { Tour } from './tour';
 
 const Palette = lazy(() => import('./palette').then((part) => part.Palette));
+const Pins = lazy(() => import('./pins').then((part) => part.Pins));
 const Help = lazy(() => import('./help').then((part) => part.Help));
 const SketchPanel = lazy(() => import('../rooms/sketch').then((room) => room.SketchPanel));
 const InspectPanel = lazy(() => import('../rooms/inspect').then((room) => room.InspectPanel));
@@ -44,6 +45,7 @@ export function Shell({ app }: { app: App }) {
       </nav>
       <main class="stage">
         <Canvas app={app} />
+        {app.pins.value.length > 0 && <Pins app={app} />}
         <Legend app={app} />
         <Progress app={app} />
         <Tour app={app} />
@@ -89,7 +91,7 @@ function Bar({ app }: { app: App }) {
           }}
         >
           <option value="">Save as…</option>
-          {object.formats.map((format) => (
+          {app.formatsOf(object).map((format) => (
             <option key={format} value={format}>
               {format.toUpperCase()}
             </option>
@@ -130,12 +132,19 @@ function Legend({ app }: { app: App }) {
   const { shading } = app.look.value;
   if (!values || values.shading !== shading) return null;
   const diverging = values.low < 0;
+  // Distances and deviations are lengths, curvatures are one over a length, or over its square.
+  const { factor, unit } = shownAs(app.store.objects.value.find((one) => one.id === values.object)?.unit ?? '');
+  const power = shading === 'mean-curvature' ? -1 : shading === 'gaussian-curvature' ? -2 : 1;
+  const scale = factor ** power;
   return (
     <figure class="legend">
-      <figcaption>{values.title}</figcaption>
-      <span>{short(values.high)}</span>
+      <figcaption>
+        {values.title}
+        {unit && ` ${power < 0 ? `1/${unit}` : unit}${power === -2 ? '²' : ''}`}
+      </figcaption>
+      <span>{short(values.high * scale)}</span>
       <div class="ramp" style={{ background: diverging ? app.ramps.value.diverging : app.ramps.value.sequential }} />
-      <span>{short(values.low)}</span>
+      <span>{short(values.low * scale)}</span>
     </figure>
   );
 }
@@ -224,7 +233,28 @@ function Status({ app }: { app: App }) {
   const triangles = drawn?.mesh?.n_triangles ?? (drawn?.triangles ? drawn.triangles.length / 3 : 0);
   return (
     <footer class="status">
-      {object && <span>{object.unit || 'no unit'}</span>}
+      {object && (
+        <label>
+          numbers in{' '}
+          <select class="unit-choice" value={object.unit} onChange={(event) => void app.setObjectUnit(object, event.currentTarget.value)}>
+            {[...new Set(['', ...SHOWN_UNITS, object.unit])].map((unit) => (
+              <option key={unit} value={unit}>
+                {unit || 'no unit'}
+              </option>
+            ))}
+          </select>
+        </label>
+      )}
+      <label>
+        shown in{' '}
+        <select class="unit-choice" value={shownUnit.value} onChange={(event) => app.setUnit(event.currentTarget.value)}>
+          {['', ...SHOWN_UNITS].map((unit) => (
+            <option key={unit} value={unit}>
+              {unit || 'its own unit'}
+            </option>
+          ))}
+        </select>
+      </label>
       {drawn && drawn.curves.length > 0 && <span>{new Set(drawn.curves.map((one, i) => one.curve ?? i)).size} curves</span>}
       {triangles > 0 && (
         <span>

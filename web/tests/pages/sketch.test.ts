@@ -20,14 +20,21 @@ const onScreen = (page: Page, points: number[][]): Promise<Place[]> =>
     });
   }, points);
 
-async function draw(page: Page, points: number[][]): Promise<void> {
+/** The mouse goes down, over the places and, unless it is to stay down, up. What lies between comes at once: software draws every frame. */
+async function draw(page: Page, points: number[][], up = true): Promise<void> {
   const places = await onScreen(page, points);
-  const [first, ...rest] = places;
-  if (!first) throw new Error('no points');
+  const [first, last] = [places[0], places[places.length - 1]];
+  if (!first || !last) throw new Error('no points');
   await page.mouse.move(...first);
   await page.mouse.down();
-  for (const place of rest) await page.mouse.move(...place);
-  await page.mouse.up();
+  await page.evaluate((list) => {
+    for (const [clientX, clientY] of list)
+      globalThis.batten?.view?.element.dispatchEvent(
+        new PointerEvent('pointermove', { clientX, clientY, pointerId: 1, pointerType: 'mouse', isPrimary: true, buttons: 1, bubbles: true }),
+      );
+  }, places);
+  await page.mouse.move(...last);
+  if (up) await page.mouse.up();
 }
 
 const circle = (r: number, n = 40) =>
@@ -57,7 +64,7 @@ async function begin(page: Page): Promise<void> {
   await page.goto('/');
   await page.keyboard.press('Control+2');
   await page.getByRole('button', { name: 'New sketch' }).click();
-  await expect(page.getByText('Draw a closed outline')).toBeVisible();
+  await expect(page.getByText('Draw a closed outline')).toBeVisible({ timeout: 30_000 });
 }
 
 test('a closed surface in four strokes, and every one undone', async ({ page }) => {
@@ -93,4 +100,77 @@ test('a stroke that cannot be is refused in words, and another can follow', asyn
   await page.getByRole('button', { name: 'Forget it' }).click();
   await draw(page, arc([60, 0], [-60, 0], 45));
   await expect.poll(() => state(page)).toMatchObject({ curves: 2 });
+});
+
+/** Fewer pixels are drawn faster. */
+const SMALL = { width: 800, height: 480 };
+const offset = async (page: Page, value: number) => {
+  const field = page.getByRole('spinbutton', { name: 'Offset, mm' });
+  await field.fill(String(value));
+  await field.press('Enter');
+};
+const ring = (r: number, z: number, n = 32) => circle(r, n).map(([x, y]) => [x ?? 0, y ?? 0, z]);
+const straight = (a: number[], b: number[], n = 8) => Array.from({ length: n + 1 }, (_, i) => a.map((x, k) => x + ((b[k] ?? 0) - x) * (i / n)));
+
+test('a tube glued between two outlines, and one skinned over profiles', async ({ page }) => {
+  await page.setViewportSize(SMALL);
+  await begin(page);
+  await draw(page, ring(40, 0));
+  await expect.poll(() => state(page)).toMatchObject({ curves: 1, up_to_date: true });
+  await offset(page, 60);
+  await draw(page, ring(40, 60));
+  await expect.poll(() => state(page)).toMatchObject({ curves: 2, up_to_date: true });
+  await page.keyboard.press('g');
+  await expect(page.getByText('one side of the tube')).toBeVisible();
+  await draw(page, straight([40, 0, 0], [40, 0, 60]));
+  await expect(page.getByText('Draw the second stroke')).toBeVisible();
+  await draw(page, straight([-40, 0, 0], [-40, 0, 60]));
+  await expect.poll(() => state(page)).toEqual({ curves: 4, closed: true, flaws: 0, up_to_date: true });
+
+  await page.getByRole('button', { name: 'Find a command' }).click();
+  await page.getByLabel('Words of a command').fill('new sketch');
+  await page.keyboard.press('Enter');
+  await expect(page.getByText('Draw a closed outline')).toBeVisible();
+  await page.keyboard.press('k');
+  await offset(page, 0);
+  await draw(page, ring(40, 0));
+  await expect(page.getByText('1 drawn')).toBeVisible();
+  await offset(page, 70);
+  await draw(page, ring(25, 70));
+  await page.getByRole('button', { name: 'Now the spines' }).click();
+  await draw(page, straight([40, 0, 0], [25, 0, 70]));
+  await expect(page.getByText('the second spine')).toBeVisible();
+  await draw(page, straight([-40, 0, 0], [-25, 0, 70]));
+  await expect.poll(() => page.evaluate(() => {
+    const store = globalThis.batten?.store;
+    const drawn = store?.drawn.value.get(store.selected.value ?? '');
+    return [new Set(drawn?.curves.map((one) => one.curve)).size, drawn?.mesh?.n_borders];
+  })).toEqual([4, 2]);
+});
+
+test('a stroke says what it would meet before it ends; symmetry completes it; a remedy is carried out', async ({ page }) => {
+  await page.setViewportSize(SMALL);
+  await begin(page);
+  // An arc is no outline; a button makes it one.
+  await draw(page, ring(60, 0).slice(0, 25));
+  await page.getByRole('alert').getByRole('button', { name: 'Close it' }).click();
+  await expect.poll(() => state(page)).toMatchObject({ curves: 1, up_to_date: true });
+  await page.keyboard.press('Control+z');
+  await page.getByLabel('Symmetry').selectOption('x');
+  const half = Array.from({ length: 31 }, (_, i) => [60 * Math.sin((Math.PI * i) / 30), -60 * Math.cos((Math.PI * i) / 30), 0]);
+  await draw(page, half);
+  await expect.poll(() => state(page)).toMatchObject({ curves: 1, up_to_date: true });
+  const reach = await page.evaluate(() => {
+    const drawn = [...(globalThis.batten?.store.drawn.value.values() ?? [])].at(-1);
+    const x = [...(drawn?.network?.positions ?? [])].filter((_, i) => i % 3 === 0).map((one) => one + (drawn?.origin[0] ?? 0));
+    return [Math.min(...x), Math.max(...x)];
+  });
+  expect(reach[0]).toBeCloseTo(-(reach[1] ?? 0), 1);
+  expect(reach[1]).toBeGreaterThan(55);
+
+  await page.getByLabel('Symmetry').selectOption('off');
+  await draw(page, arc([60, 0], [-60, 0], 45), false);
+  await expect(page.getByText(/^Meets c0; 1 face more/)).toBeVisible();
+  await page.mouse.up();
+  await expect.poll(() => state(page)).toMatchObject({ curves: 2, up_to_date: true });
 });
