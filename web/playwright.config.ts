@@ -9,6 +9,7 @@ export default defineConfig({
   testDir: 'tests/pages',
   workers: 1,
   timeout: 180_000,
+  expect: { timeout: 15_000 }, // machines that test are busy
   reporter: [['list']],
   use: {
     baseURL: url,

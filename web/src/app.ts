@@ -280,7 +280,7 @@ export class App {
     const { shading } = this.look.value;
     const known = this.store.values.value;
     if (object && COMPUTED_SHADINGS.includes(shading) && (known?.shading !== shading || known.object !== object.id))
-      await this.store.computeValues(object.id, shading);
+      if (!(await this.store.computeValues(object.id, shading))) this.look.value = { ...this.look.value, shading: 'shaded' };
   }
 
   async showDistances(id: string, truth: string): Promise<void> {

@@ -146,6 +146,11 @@ export class Store {
     await this.refresh();
   }
 
+  /** What changes nothing, for the tools of rooms: their previews and measures. @throws EngineError */
+  query(message: Message): Promise<Success> {
+    return this.engine.ask(message);
+  }
+
   async undo(): Promise<void> {
     if (this.canUndo.value && (await this.edit({ op: 'undo' }))) await this.showAll();
   }
@@ -265,8 +270,9 @@ export class Store {
     this.drawn.value = new Map([...this.drawn.value].filter(([other]) => other !== id));
   }
 
-  async computeValues(id: string, shading: string): Promise<void> {
-    await this.guard(shading, async () => {
+  /** @returns whether there are such values; else what is missing is told. */
+  async computeValues(id: string, shading: string): Promise<boolean> {
+    const done = await this.guard(shading, async () => {
       const { json, arrays } = await this.ask(shading, { op: 'values', object: id, shading });
       this.values.value = {
         object: id,
@@ -276,7 +282,9 @@ export class Store {
         high: json.high as number,
         title: json.title as string,
       };
+      return true;
     });
+    return done === true;
   }
 
   async computeDistances(id: string, truth: string): Promise<void> {

@@ -113,7 +113,7 @@ export class Bending implements PointerTool {
     this.letGo();
     const at = view.toModel(point);
     try {
-      const { arrays } = await store.engine.ask({
+      const { arrays } = await store.query({
         op: 'grab',
         object,
         at,
@@ -247,7 +247,7 @@ export class Bending implements PointerTool {
       if (!held) break;
       try {
         const from = performance.now();
-        const { arrays } = await store.engine.ask({ op: 'pull', ...this.motionOf(held, motion) });
+        const { arrays } = await store.query({ op: 'pull', ...this.motionOf(held, motion) });
         if (this.held.value !== held) break;
         this.showPreview(arrays.positions as Float32Array, arrays.normals as Float32Array);
         store.lastUpdate.value = { ms: performance.now() - from, coarse: true };

@@ -49,7 +49,7 @@ export function InspectPanel({ app }: { app: App }) {
         />
         <Check label="Curves" value={look.curves} onChange={(curves) => void app.setLook({ curves })} />
       </Section>
-      <LinesPart app={app} id={object.id} isMesh={mesh !== undefined} unit={object.unit} version={drawn.version} />
+      <LinesPart app={app} id={object.id} hasCurves={drawn.curves.length > 0} isMesh={mesh !== undefined} unit={object.unit} version={drawn.version} />
       {mesh && <SectionPart app={app} id={object.id} unit={object.unit} />}
       <MeasurePart app={app} unit={object.unit} />
       {mesh && <DistancePart app={app} id={object.id} unit={object.unit} />}
@@ -93,7 +93,7 @@ export function InspectPanel({ app }: { app: App }) {
 }
 
 /** Combs along curves and crosses of principal directions. */
-function LinesPart(props: { app: App; id: string; isMesh: boolean; unit: string; version: number }) {
+function LinesPart(props: { app: App; id: string; hasCurves: boolean; isMesh: boolean; unit: string; version: number }) {
   const { app, id } = props;
   const probing = probingOf(app);
   const { combs, combLength, directions, cut, largest } = probing;
@@ -108,7 +108,11 @@ function LinesPart(props: { app: App; id: string; isMesh: boolean; unit: string;
   );
   return (
     <Section title="Curvature" open={false}>
-      <Check label="Combs along curves" help="As long as the curve is curved, away from the surface where it bends outward." value={combs.value} onChange={(on) => (combs.value = on)} />
+      {props.hasCurves ? (
+        <Check label="Combs along curves" help="As long as the curve is curved, away from the surface where it bends outward." value={combs.value} onChange={(on) => (combs.value = on)} />
+      ) : (
+        <p class="hint">Combs are drawn along curves; this mesh was not made of any.</p>
+      )}
       <Slider
         label="Longest"
         help="Of the longest quill, as a part of what is seen."
@@ -144,10 +148,7 @@ function SectionPart({ app, id, unit }: { app: App; id: string; unit: string }) 
     [`curve,closed,length ${shownAs},area ${shownAs}^2`, ...(found?.curves ?? []).map((one, i) =>
       [i, one.closed, one.length * factor, one.area === null ? '' : one.area * factor * factor].join(','))].join('\n');
   const move = (axis: Axis, wanted: number) => {
-    // As fine as a slider is, so that the number can be read.
-    const [from, to] = probing.extent(id, axis);
-    const step = 10 ** Math.floor(Math.log10(Math.max(to - from, 1e-30) / 500));
-    const offset = Number((Math.round(wanted / step) * step).toPrecision(6));
+    const offset = probing.readable(id, axis, wanted);
     probing.cut.value = { axis, offset };
     probing.moveCut(id, axis, offset);
   };

@@ -49,12 +49,16 @@ export class Probing implements PointerTool {
     const here = () => app.room.value === 'inspect';
     const hasMesh = () => here() && app.store.selectedObject.value?.kind === 'mesh';
     register(
-      { id: 'combs', title: 'Curvature combs along curves', keys: 'Shift+C', when: here, run: () => void (this.combs.value = !this.combs.value) },
+      { id: 'combs', title: 'Curvature combs along curves', keys: 'Shift+C', when: () => here() && this.hasCurves(), run: () => void (this.combs.value = !this.combs.value) },
       { id: 'directions', title: 'Principal directions', keys: 'Shift+P', when: hasMesh, run: () => void (this.directions.value = !this.directions.value) },
       { id: 'section', title: 'Section by a plane', keys: 'Shift+X', when: hasMesh, run: () => this.toggleCut() },
       { id: 'measure', title: 'Measure between two places', keys: 'Shift+T', when: here, run: () => this.setMeasuring(!this.measuring.value) },
       { id: 'measure-middle', title: 'Measure: take the place in the middle of the view', keys: 'Shift+J', when: () => here() && this.measuring.value, run: () => this.pickMiddle() },
     );
+  }
+
+  private hasCurves(): boolean {
+    return (this.app.store.drawn.value.get(this.app.store.selected.value ?? '')?.curves.length ?? 0) > 0;
   }
 
   // ---- combs and directions -------------------------------------------------------------------------------------------
@@ -72,13 +76,14 @@ export class Probing implements PointerTool {
     }
     if (!id) return;
     try {
-      if (this.combs.value) {
-        const { json, arrays } = await store.engine.ask({ op: 'combs', object: id });
+      if (this.combs.value && !this.hasCurves()) view.overlay('combs', null);
+      else if (this.combs.value) {
+        const { json, arrays } = await store.query({ op: 'combs', object: id });
         if (run !== this.run) return;
         this.drawCombs(json.origin as Place, json.combs as { first: number; n: number }[], arrays as Record<string, Float32Array>);
       }
       if (this.directions.value) {
-        const { json, arrays } = await store.engine.ask({ op: 'directions', object: id });
+        const { json, arrays } = await store.query({ op: 'directions', object: id });
         if (run !== this.run) return;
         this.drawDirections(json.origin as Place, arrays as Record<string, Float32Array>, store.drawn.value.get(id)?.mesh?.area ?? 0);
       }
@@ -146,12 +151,19 @@ export class Probing implements PointerTool {
     return low <= high ? [low, high] : [0, 1];
   }
 
+  /** A place on an axis as fine as a slider is, so that its number can be read. */
+  readable(id: string, axis: Axis, offset: number): number {
+    const [low, high] = this.extent(id, axis);
+    const step = 10 ** Math.floor(Math.log10(Math.max(high - low, 1e-30) / 500));
+    return Number((Math.round(offset / step) * step).toPrecision(6));
+  }
+
   toggleCut(): void {
     const id = this.app.store.selected.value;
     if (this.cut.value || !id) this.cut.value = null;
     else {
       const [low, high] = this.extent(id, 'z');
-      this.cut.value = { axis: 'z', offset: (low + high) / 2 };
+      this.cut.value = { axis: 'z', offset: this.readable(id, 'z', (low + high) / 2) };
     }
   }
 
@@ -162,7 +174,7 @@ export class Probing implements PointerTool {
 
   private ask(id: string, axis: Axis, offset: number, name?: string) {
     const normal = [Number(axis === 'x'), Number(axis === 'y'), Number(axis === 'z')];
-    return this.app.store.engine.ask({ op: 'section', object: id, normal, offset, ...(name ? { name } : {}) });
+    return this.app.store.query({ op: 'section', object: id, normal, offset, ...(name ? { name } : {}) });
   }
 
   private async runCuts(): Promise<void> {

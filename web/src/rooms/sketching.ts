@@ -230,7 +230,7 @@ export class Sketching {
       const edit = points.length > 2 && found ? this.editsOf(points)[0] : undefined;
       if (!edit || !found || !view) continue;
       try {
-        const { json, arrays } = await store.engine.ask({ op: 'try', edit: { ...edit, object: found.model.id } });
+        const { json, arrays } = await store.query({ op: 'try', edit: { ...edit, object: found.model.id } });
         if (this.drawing?.isDrawing() !== true) break;
         if (json.accepted !== true) {
           this.preview.value = { text: String(json.reason), fits: false };

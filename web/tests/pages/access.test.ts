@@ -19,8 +19,11 @@ for (const colorScheme of ['light', 'dark'] as const)
     await page.keyboard.press('Control+2');
     await check('sketch');
     await page.keyboard.press('Control+3');
+    for (const key of ['Shift+C', 'Shift+X', 'Shift+T']) await page.keyboard.press(key);
+    await expect(page.getByText('area inside')).toBeVisible();
     await check('inspect');
     await page.keyboard.press('Control+4');
+    await page.getByLabel('Do', { exact: true }).selectOption('deform');
     await check('process');
     await page.keyboard.press('Control+k');
     await check('palette');

@@ -1,10 +1,10 @@
-/** What is measured and drawn over a surface: combs, directions, a section that is kept, a distance, units; pins and how sure it is. */
+/** What is measured and drawn over a surface: combs, directions, a section that is kept, a distance, units; pins. */
 import { expect, type Page, test } from '@playwright/test';
 import { openSample, picture } from './page';
 
 const figure = (page: Page, name: string) => page.locator('.figures div', { has: page.getByText(name, { exact: true }) }).locator('dd');
 
-test('combs, principal directions, a section, a distance, in another unit', async ({ page }) => {
+test('combs, principal directions, a section, a distance, in another unit, and pins where something is wrong', async ({ page }) => {
   await page.setViewportSize({ width: 1000, height: 640 });
   await openSample(page);
   await page.getByRole('button', { name: 'Leave' }).click();
@@ -47,14 +47,9 @@ test('combs, principal directions, a section, a distance, in another unit', asyn
   await page.getByLabel('shown in').selectOption('cm');
   await expect(figure(page, 'distance')).toHaveText(/ cm$/);
   expect((await distance()) / own).toBeCloseTo(0.1, 2);
-  await page.reload();
-  await expect(page.getByLabel('shown in')).toHaveValue('cm');
-});
 
-test('pins say what is wrong where it is, and how sure the surface is', async ({ page }) => {
-  await page.setViewportSize({ width: 1000, height: 640 });
-  await openSample(page);
-  await page.getByRole('button', { name: 'Leave' }).click();
+  // Pins: what is wrong where it is.
+  await page.keyboard.press('Control+1');
   // The sample has no fault: one is put into what the engine said of it.
   await page.evaluate(() => {
     const store = globalThis.batten?.store;
@@ -69,4 +64,8 @@ test('pins say what is wrong where it is, and how sure the surface is', async ({
   await page.getByRole('button', { name: 'Average over more readings' }).click();
   await expect.poll(() => page.evaluate(() => globalThis.batten?.store.objects.value[1]?.request?.sigma)).toBeGreaterThan(0.5);
   await expect(pin).toHaveCount(0);
+
+  // The unit is that of before in a new window.
+  await page.reload();
+  await expect(page.getByLabel('shown in')).toHaveValue('cm');
 });

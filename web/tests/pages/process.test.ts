@@ -19,7 +19,7 @@ function sheet(n: number, torn: boolean): string {
   return lines.join('\n');
 }
 
-test.setTimeout(60_000);
+test.setTimeout(120_000);
 
 async function open(page: Page, name: string, text: string): Promise<void> {
   await page.goto('/');
