@@ -19,7 +19,7 @@ COMMANDS = {
     "deform": (batten.deform, FILES, {"progress"}),
     "subdivide": (batten.subdivide, FILES | {"step"} | CAD - {"max_patches"}, {"progress"}),
     "compare": (batten.compare, FILES | {"distances"}, {"progress"}),
-    "check": (batten.check, FILES | {"pictures"}, {"progress"}),
+    "check": (batten.check, FILES | {"network", "pictures"}, {"progress"}),
     "surface": (batten.surface, FILES | CAD | {"write_network"}, {"progress"}),
     "network": (batten.network_from_scan, FILES | READING | {"numbered"}, {"progress"}),
     "reconstruct": (batten.reconstruct, FILES | CAD | READING | {"network", "numbered"}, {"progress"}),
