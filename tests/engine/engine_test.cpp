@@ -525,6 +525,25 @@ TEST(Engine, PlaysARecordedSessionAndSaysWhatItRefused) {
   EXPECT_EQ(ask(engine, {{"op", "document"}}).json["objects"].size(), 1U);
 }
 
+TEST(Engine, HoldsNothingOfTheProjectBeforeWhenAnotherTakesItsPlace) {
+  Engine engine;
+  ASSERT_TRUE(ask(engine, {{"op", "open"}, {"name", "sheet.off"}}, sheet()).ok());
+  const auto bytes = ask(engine, {{"op", "save"}}).array<char>("file");
+  const Json pull = {{"op", "pull"}, {"translation", {0, 0, 0.2}}};
+  for (const auto& [name, file] :
+       {std::pair<std::string, std::string>{"sheet.batten", {bytes.begin(), bytes.end()}},
+        {"empty.jsonl", R"({"batten_session":1,"unit":"mm"})"}}) {
+    SCOPED_TRACE(name);
+    ASSERT_TRUE(
+        ask(engine,
+            {{"op", "grab"}, {"object", "o1"}, {"at", {0.5, 0.5, 0}}, {"radius", 0.12}, {"reach", 0.45}})
+            .ok());
+    ASSERT_TRUE(ask(engine, pull).ok());
+    ASSERT_TRUE(ask(engine, {{"op", "open"}, {"name", name}}, file).ok());
+    EXPECT_FALSE(ask(engine, pull).ok());
+  }
+}
+
 TEST(Engine, KeepsAProjectThroughItsFile) {
   Engine engine;
   add_surface(engine);

@@ -182,6 +182,16 @@ struct Engine::State {
     draft.json["outdated"] = ids_of(outcome.outdated);
   }
 
+  /// Another project in place of this one, with nothing kept of it.
+  void replace(Draft& draft, Document other, Json warnings) {
+    document = std::move(other);
+    results = {};
+    live = {};
+    held = {};
+    draft.json["warnings"] = std::move(warnings);
+    draft.json["replaced"] = true;
+  }
+
   // The messages, each with its name.
   void open(Draft& draft, const Json& message, std::string_view bytes, const Progress& progress);
   void play(Draft& draft, const std::string& name, std::string_view bytes, const Progress& progress);
@@ -218,10 +228,7 @@ void Engine::State::play(Draft& draft, const std::string& name, std::string_view
       warnings.push_back(
           concat("line ", session.edits[edit.index].line, " refused: ", edit.reason, "; ", edit.remedy));
   if (session.torn) warnings.push_back(session.warning(name));
-  document = std::move(played);
-  results = {};
-  draft.json["warnings"] = std::move(warnings);
-  draft.json["replaced"] = true;
+  replace(draft, std::move(played), std::move(warnings));
 }
 
 void Engine::State::open(Draft& draft, const Json& message, std::string_view bytes,
@@ -229,11 +236,7 @@ void Engine::State::open(Draft& draft, const Json& message, std::string_view byt
   const std::string name = text_of(message, "name");
   if (bytes.substr(0, 2) == "PK" && name.ends_with(".batten")) {
     ProjectFile file = parse_project(std::string(bytes), name);
-    document = std::move(file.document);
-    results = {};
-    draft.json["warnings"] = file.warnings;
-    draft.json["replaced"] = true;
-    return;
+    return replace(draft, std::move(file.document), file.warnings);
   }
   if (name.ends_with(".jsonl")) return play(draft, name, bytes, progress);
   OpenedFile file = open_file(std::string(bytes), name);
