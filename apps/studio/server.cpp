@@ -89,7 +89,8 @@ struct Server::State {
     pause.cancel();
     for (const auto& [number, engine] : hub.engines) engine->close();
     if (hub.sockets.empty()) return hub.io.stop();
-    for (const auto& [number, socket] : hub.sockets)
+    const auto sockets = hub.sockets;  // those that end take themselves out
+    for (const auto& [number, socket] : sockets)
       if (const auto there = socket.lock()) there->say_farewell();
     pause.expires_after(hub.limits.farewell);
     pause.async_wait([this](error_code) { hub.io.stop(); });

@@ -91,7 +91,8 @@ class Socket : public std::enable_shared_from_this<Socket> {
     stream_.set_option(websocket::stream_base::timeout{hub_.limits.head, hub_.limits.idle, true});
     stream_.read_message_max(kMostFrame);
     stream_.async_accept(request, [me = shared_from_this()](error_code error) {
-      if (error) return me->end();
+      if (error || me->has_ended_) return me->end();
+      me->is_open_ = true;
       me->read();
     });
   }
@@ -108,6 +109,8 @@ class Socket : public std::enable_shared_from_this<Socket> {
   }
 
   void say_farewell() {
+    // The answer to the client's first words may still be on its way; a stream takes one write at a time.
+    if (!is_open_) return end();
     stream_.async_close(websocket::close_code::going_away,
                         [me = shared_from_this()](error_code) { me->end(); });
   }
@@ -204,6 +207,7 @@ class Socket : public std::enable_shared_from_this<Socket> {
   beast::flat_buffer buffer_;
   FrameReader reader_;
   std::deque<Frame> queue_;
+  bool is_open_ = false;  // the client has its answer, frames may follow
   bool is_writing_ = false;
   bool has_ended_ = false;
 };

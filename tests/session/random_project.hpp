@@ -18,6 +18,10 @@ class RandomProject {
   /// Any edit of a project, with arguments that most often suit it.
   Edit edit(const Document& document) {
     constexpr std::size_t kMany = 12;
+    // A drag that goes on: left to chance, a run of 500 edits may have none.
+    const auto* turned = document.log().empty() ? nullptr : std::get_if<ViewEdit>(&document.log().back());
+    if (turned && turned->drag != 0 && random_.uniform() < 0.3)
+      return ViewEdit{turned->object, view_state(), turned->drag};
     const double kind = random_.uniform();
     if (document.objects().size() > kMany && kind < 0.24) return RemoveEdit{any(document), true};
     if (document.objects().empty() || kind < 0.1) return AddEdit{{}, name(), unit(), content()};

@@ -258,6 +258,20 @@ TEST(Socket, ThereAreEightAtMost) {
   EXPECT_TRUE(next) << "its place becomes free";
 }
 
+// Whatever state the answer is in that makes a connection a socket: one write at a time, and no socket holds
+// the end up.
+TEST(Socket, TheServerStopsWhileSocketsAreBeingOpened) {
+  for (int k = 0; k < 50; ++k) {
+    Studio studio(with_script());
+    studio.cookie();
+    std::vector<std::unique_ptr<Wire>> wires;
+    for (int i = 0; i < 1 + k % 8; ++i) wires.push_back(studio.begin_socket());
+    if (k % 2 == 1) {
+      EXPECT_EQ(wires[0]->answer().status, 101);
+    }
+  }
+}
+
 TEST(Socket, AClientThatDoesNotReadIsDropped) {
   studio::ServerOptions options = with_script();
   options.limits.write = 150ms;
