@@ -2,6 +2,7 @@ import { createHash } from 'node:crypto';
 import { readFileSync } from 'node:fs';
 import { fileURLToPath } from 'node:url';
 import { defineConfig, type Plugin } from 'vite';
+import { leanThree } from './lean-three';
 
 const at = (path: string) => fileURLToPath(new URL(path, import.meta.url));
 
@@ -49,7 +50,7 @@ function policy(): Plugin {
 
 export default defineConfig({
   base: './', // the page works from any folder of any server
-  plugins: [offline(), policy()],
+  plugins: [leanThree(), offline(), policy()],
   resolve: {
     alias: [
       // Made by tools/build web. Patterns: what is imported ends in ?url.

@@ -49,7 +49,8 @@ export class App {
   readonly look = signal<Look>({ shading: 'shaded', stripes: 28, flat: false, curves: true });
   readonly palette = signal(false);
   readonly help = signal(false);
-  readonly showBefore = signal(false);
+  /** What is seen of a step: what it made, what it was made of, or both beside each other. */
+  readonly seen = signal<'after' | 'before' | 'both'>('after');
   readonly theme = signal<'system' | 'light' | 'dark'>('system');
   /** The colour bars as backgrounds, from below to above. */
   readonly ramps = signal({ sequential: '', diverging: '' });
@@ -111,11 +112,11 @@ export class App {
   private visible(): Drawn[] {
     const { objects, drawn, hidden } = this.store;
     const selected = this.store.selectedObject.value;
-    const before = this.showBefore.value ? selected?.source : undefined;
+    const before = this.seen.value !== 'after' ? selected?.source : undefined;
     return objects.value
       .filter((one) => {
         if (hidden.value.has(one.id)) return false;
-        if (before) return one.id === before;
+        if (before) return one.id === before || (this.seen.value === 'both' && one.id === selected?.id);
         return this.store.isShown(one);
       })
       .flatMap((one) => drawn.value.get(one.id) ?? []);
@@ -294,7 +295,7 @@ export class App {
 
   async select(id: string): Promise<void> {
     this.store.selected.value = id;
-    this.showBefore.value = false;
+    this.seen.value = 'after';
     this.view?.setPin(id, null);
     await this.store.showAll();
     await this.setLook({});
@@ -319,16 +320,16 @@ export class App {
   async throwAway(id: string): Promise<void> {
     const source = this.store.objects.value.find((one) => one.id === id)?.source;
     if (await this.store.edit({ op: 'remove', object: id })) {
-      this.showBefore.value = false;
+      this.seen.value = 'after';
       this.store.selected.value = source ?? null;
       await this.store.showAll();
     }
   }
 
-  async setShowBefore(value: boolean): Promise<void> {
+  async setSeen(value: 'after' | 'before' | 'both'): Promise<void> {
     const source = this.store.selectedObject.value?.source;
-    if (value && source) await this.store.show(source);
-    this.showBefore.value = value;
+    if (value !== 'after' && source) await this.store.show(source);
+    this.seen.value = value;
   }
 
   // ---- commands ---------------------------------------------------------------------------------------------------

@@ -1,9 +1,10 @@
 /** Steps on meshes. Each makes a new object, so that the one before stays to compare with, and undo takes it back. */
-import { useState } from 'preact/hooks';
+import { useEffect, useState } from 'preact/hooks';
 import type { App } from '../app';
 import type { RequestOptions } from '../document/types';
 import { Check, Choice, Figures, Section, Slider } from '../ui/controls';
 import { degrees, short } from '../ui/numbers';
+import { addDivider } from '../view/divider';
 import { BendPart } from './bend';
 import { bendingOf } from './bending';
 import { Sentences } from './reconstruct';
@@ -107,6 +108,11 @@ export function ProcessPanel({ app }: { app: App }) {
     energy: 'total',
     detail: 'gauss-newton',
   });
+  const isBoth = app.seen.value === 'both';
+  useEffect(() => {
+    if (isBoth && app.view && object?.source) return addDivider(app.view, object.source, object.id);
+  }, [isBoth, app.view, object?.source, object?.id]);
+  useEffect(() => () => void app.setSeen('after'), [app]);
   if (object?.kind !== 'mesh') return <p class="empty">Select a mesh in the outline.</p>;
   const set = (patch: Partial<Settings>) => setSettings({ ...settings, ...patch });
   const drawn = store.drawn.value.get(object.id);
@@ -275,10 +281,15 @@ export function ProcessPanel({ app }: { app: App }) {
       </Section>
       {isResult && (
         <Section title="Before and after">
-          <Check
-            label="Show the one before"
-            value={app.showBefore.value}
-            onChange={(value) => void app.setShowBefore(value)}
+          <Choice
+            label="Show"
+            value={app.seen.value}
+            options={[
+              ['after', 'after'],
+              ['before', 'before'],
+              ['both', 'side by side'],
+            ]}
+            onChange={(value) => void app.setSeen(value)}
           />
           <Figures
             rows={[

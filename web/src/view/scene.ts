@@ -61,6 +61,13 @@ export interface PointerTool {
   cancel(): void;
 }
 
+/** Two objects side by side in one picture: what is left of a line, a share of the width, shows one, what is right the other. */
+export interface Divider {
+  left: string;
+  right: string;
+  at: number;
+}
+
 export class View {
   readonly renderer: WebGLRenderer;
   readonly camera: ViewCamera;
@@ -74,6 +81,7 @@ export class View {
   private tool: PointerTool | null = null;
   /** Called after every picture, for what is drawn over it. */
   readonly onDrawn = new Set<() => void>();
+  divider: Divider | null = null;
   private emptySize = 1;
   private asked = false;
   private look: Look = { shading: 'shaded', stripes: 28, flat: false, curves: true, nodes: true };
@@ -203,6 +211,16 @@ export class View {
     this.veiled = new Set(ids);
     for (const [id, { group }] of this.shown) group.visible = !this.veiled.has(id);
     this.draw();
+  }
+
+  setDivider(divider: Divider | null): void {
+    this.divider = divider;
+    this.draw();
+  }
+  /** The object that a divider hides at a pixel. */
+  private hiddenAt(x: number): string | null {
+    if (!this.divider) return null;
+    return x < this.divider.at * this.element.clientWidth ? this.divider.right : this.divider.left;
   }
 
   /** Where a point less middle() is seen, in pixels. */
@@ -409,7 +427,8 @@ export class View {
   }
   /** The same with the object and the normal of the triangle there. */
   pickSurface(x: number, y: number): { object: string; point: Vector3; normal: Vector3 } | null {
-    const seen = [...this.shown].filter(([, shown]) => shown.mesh && shown.group.visible);
+    const hidden = this.hiddenAt(x);
+    const seen = [...this.shown].filter(([id, shown]) => shown.mesh && shown.group.visible && id !== hidden);
     if (seen.length === 0) return null;
     const caster = new Raycaster();
     caster.ray.copy(this.ray(x, y));
@@ -455,8 +474,27 @@ export class View {
         const uniform = ((one as Partial<Mesh>).material as Partial<ShaderMaterial> | undefined)?.uniforms?.up;
         if (uniform) uniform.value = up;
       });
-    this.renderer.render(this.scene, this.camera.camera);
+    if (this.divider) this.renderSides(this.divider);
+    else this.renderer.render(this.scene, this.camera.camera);
     for (const told of this.onDrawn) told();
+  }
+
+  private renderSides({ left, right, at }: Divider): void {
+    const { clientWidth: width, clientHeight: height } = this.element;
+    const sides = [
+      { from: 0, to: Math.round(at * width), hidden: right },
+      { from: Math.round(at * width), to: width, hidden: left },
+    ];
+    this.renderer.setScissorTest(true);
+    for (const { from, to, hidden } of sides) {
+      const group = this.shown.get(hidden)?.group;
+      const wasVisible = group?.visible ?? false;
+      if (group) group.visible = false;
+      this.renderer.setScissor(from, 0, to - from, height);
+      this.renderer.render(this.scene, this.camera.camera);
+      if (group) group.visible = wasVisible;
+    }
+    this.renderer.setScissorTest(false);
   }
 }
 

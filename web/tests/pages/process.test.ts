@@ -12,7 +12,7 @@ function sheet(n: number, torn: boolean): string {
     }
   for (let i = 0; i < n; ++i)
     for (let j = 0; j < n; ++j) {
-      if (torn && i === n / 2 && j === n / 2) continue;
+      if (torn && i === Math.floor(n / 2) && j === Math.floor(n / 2)) continue;
       const a = i * (n + 1) + j + 1;
       lines.push(`f ${a} ${a + n + 1} ${a + n + 2}`, `f ${a} ${a + n + 2} ${a + 1}`);
     }
@@ -54,6 +54,43 @@ test('a torn mesh is mended, with what was done and the same command line', asyn
   await expect(page.getByRole('heading', { name: 'Done' })).toBeVisible();
   await page.keyboard.press('Control+z');
   await expect.poll(() => page.evaluate(() => globalThis.batten?.store.objects.value.length)).toBe(1);
+});
+
+test('before and after stand beside each other, with a line between that is dragged and moved by keys', async ({ page }) => {
+  await open(page, 'sheet.obj', sheet(11, true));
+  await page.getByLabel('Do', { exact: true }).selectOption('repair');
+  await page.getByLabel('Holes').selectOption('all');
+  await page.getByRole('button', { name: 'Repair', exact: true }).click();
+  await expect.poll(() => selected(page)).toMatchObject({ kind: 'repair' });
+  await page.keyboard.press('3'); // from above: the hole is in the middle
+  await page.getByLabel('Show', { exact: true }).selectOption('both');
+  const line = page.getByRole('slider', { name: 'Line between before and after' });
+  await expect(line).toHaveAttribute('aria-valuenow', '50');
+  /** Whether something is drawn in the middle of the view, beside the line. */
+  const middle = () =>
+    page.evaluate(async () => {
+      const blob = await globalThis.batten?.view?.picture();
+      if (!blob) throw new Error('no picture');
+      const image = await createImageBitmap(blob);
+      const context = new OffscreenCanvas(image.width, image.height).getContext('2d');
+      context?.drawImage(image, 0, 0);
+      return context?.getImageData(image.width / 2, image.height / 2, 1, 1).data[3] === 255;
+    });
+  await line.focus();
+  for (let i = 0; i < 3; ++i) await page.keyboard.press('Shift+ArrowRight');
+  await expect(line).toHaveAttribute('aria-valuenow', '80');
+  expect(await middle()).toBe(false);
+  const box = await page.getByRole('application').boundingBox();
+  const grip = await line.boundingBox();
+  if (!box || !grip) throw new Error('no view');
+  await page.mouse.move(grip.x, box.y + box.height / 2);
+  await page.mouse.down();
+  await page.mouse.move(box.x + 0.45 * box.width, box.y + box.height / 2, { steps: 4 });
+  await page.mouse.up();
+  await expect(line).toHaveAttribute('aria-valuenow', '45');
+  expect(await middle()).toBe(true);
+  await page.keyboard.press('Control+3'); // another room shows what was made, whole
+  await expect(line).toHaveCount(0);
 });
 
 test('a place is held and dragged: a preview, a step, changed by a number, undone twice', async ({ page }) => {

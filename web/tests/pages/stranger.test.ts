@@ -6,6 +6,8 @@ import { openSample, picture, stripes, triangles } from './page';
 test('sample scan, stripes, a slider, a file, undo, and back after the window was closed', async ({ page }) => {
   const errors: string[] = [];
   page.on('pageerror', (error) => errors.push(error.message));
+  // Shaders that do not compile are told there and nowhere else.
+  page.on('console', (message) => message.type() === 'error' && errors.push(message.text()));
   await openSample(page);
   await expect(page.getByText(/^All|kept in this browser/).first()).toBeVisible();
   const fine = await triangles(page);
