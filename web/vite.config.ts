@@ -2,7 +2,7 @@ import { createHash } from 'node:crypto';
 import { readFileSync } from 'node:fs';
 import { fileURLToPath } from 'node:url';
 import { defineConfig, type Plugin } from 'vite';
-import { leanThree } from './lean-three';
+import { leanThree } from './lean-three.ts';
 
 const at = (path: string) => fileURLToPath(new URL(path, import.meta.url));
 

@@ -77,12 +77,15 @@ vec3 matt(vec3 n, vec3 viewer, vec3 material) {
 vec3 mapped(vec3 n, vec3 colour) {
   return (0.66 + 0.40 * diffuse(n).g) * colour;
 }
-/** 1 on the first half of each stripe, softened over a pixel; slope is the change of the phase over one. */
+/** How much of a pixel lies beyond an edge at 0, for a phase that changes by w over it: a box, as many samples give. */
+float beyond(float phase, float w) {
+  return clamp(phase / w + 0.5, 0.0, 1.0);
+}
+/** 1 on the first half of each stripe; slope is the change of the phase over one pixel along x and along y together. */
 float stripe(float phase, float slope) {
-  float w = clamp(slope, 0.0005, 0.5);
+  float w = clamp(slope, 0.0005, 1.0);
   float f = fract(phase);
-  // A box of one pixel over the square wave, at both of its steps.
-  return smoothstep(-w, w, f) * (1.0 - smoothstep(0.5 - w, 0.5 + w, f)) + smoothstep(1.0 - w, 1.0 + w, f);
+  return beyond(f, w) * (1.0 - beyond(f - 0.5, w)) + beyond(f - 1.0, w);
 }
 void main() {
   vec3 viewer = normalize(vViewer);
@@ -107,7 +110,7 @@ void main() {
     float x = dot(mirrored, across), y = dot(mirrored, along);
     float phase = atan(x, y) / (2.0 * PI) * stripes;
     // The slope from x and y: that of the angle itself jumps where it goes round, and would draw a seam.
-    float slope = length(vec2(y * dFdx(x) - x * dFdx(y), y * dFdy(x) - x * dFdy(y))) / max(x * x + y * y, 1e-6) / (2.0 * PI) * stripes;
+    float slope = (abs(y * dFdx(x) - x * dFdx(y)) + abs(y * dFdy(x) - x * dFdy(y))) / max(x * x + y * y, 1e-6) / (2.0 * PI) * stripes;
     float lamp = stripe(phase, slope);
     float fresnel = 0.25 + 0.75 * pow(1.0 - max(0.0, dot(n, viewer)), 3.0);
     colour = diffuse(n) * linear(vec3(0.2078, 0.3216, 0.4784)) + lamp * (0.55 + 0.3 * fresnel) * linear(vec3(0.9569, 0.9686, 0.9843));
