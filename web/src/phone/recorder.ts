@@ -108,6 +108,7 @@ export class Recorder {
   undoNode(): void {
     const curve = this.current.value;
     if (curve) this.current.value = { ...curve, nodes: curve.nodes.slice(0, -1) };
+    this.keep(true); // or a page that is killed would bring it back
   }
 
   /** The curve is done. */
