@@ -182,11 +182,13 @@ class Simplification {
     progress_.report("fit", 0);
     std::vector<SurfaceSample> samples = simplification::sample_surface(
         input_.positions, input_.triangles, sample_count(input_.n_triangles(), mesh_.n_faces()));
+    progress_.report("fit", 0);  // to sample and to begin the fit take long, each
     std::vector<int> source(samples.size());
     for (std::size_t s = 0; s < samples.size(); ++s) source[s] = samples[s].face;
     FitOptions options;
     options.rounds = options_.fit_rounds;
     SurfaceFit fit(mesh_, tree_, std::move(samples), options);
+    progress_.report("fit", 0);
     start(fit, source);
     if (options_.keep_history) {
       std::vector<Vector3d> positions(mesh_.vertex_capacity());
