@@ -23,13 +23,20 @@ export interface AnyEngine {
   end(): void;
 }
 
+/** An engine that keeps what is done in the browser, also what another engine does. */
+export interface KeepingEngine extends AnyEngine {
+  keep(message: Message, bytes: ArrayBuffer | undefined, replaced: boolean): Promise<Success>;
+  /** The project is with another: from here on it only keeps, and its memory is given back. */
+  rest(): Promise<Success>;
+}
+
 interface Pending {
   resolve: (answer: Success) => void;
   reject: (error: EngineError) => void;
   onProgress?: Listener | undefined;
 }
 
-export class Engine implements AnyEngine {
+export class Engine implements KeepingEngine {
   readonly name = 'engine in this page';
   private worker: Worker | null = null;
   private pending = new Map<number, Pending>();
@@ -39,12 +46,20 @@ export class Engine implements AnyEngine {
 
   /** Starts, or starts again, with what the journal holds. */
   async start(keep: boolean): Promise<Success> {
+    this.begin();
+    return this.send((id) => ({ kind: 'start', id, keep }));
+  }
+  async rest(): Promise<Success> {
+    this.begin();
+    return this.send((id) => ({ kind: 'rest', id }));
+  }
+
+  private begin(): void {
     this.end();
     const worker = this.makeWorker();
     this.worker = worker;
     worker.onmessage = (event: MessageEvent<Reply>) => this.hear(event.data);
-    worker.onerror = (event) => this.fail(new EngineError(event.message || 'the worker could not be started', 'fault'));
-    return this.send((id) => ({ kind: 'start', id, keep }));
+    worker.onerror = (event) => this.fail(new EngineError(event.message || 'the worker could not be started', 'gone'));
   }
 
   ask(message: Message, bytes?: ArrayBuffer, onProgress?: Listener): Promise<Success> {
@@ -52,6 +67,13 @@ export class Engine implements AnyEngine {
       (id) => (bytes ? { kind: 'ask', id, message, bytes } : { kind: 'ask', id, message }),
       bytes ? [bytes] : [],
       onProgress,
+    );
+  }
+
+  keep(message: Message, bytes: ArrayBuffer | undefined, replaced: boolean): Promise<Success> {
+    return this.send(
+      (id) => (bytes ? { kind: 'keep', id, message, bytes, replaced } : { kind: 'keep', id, message, replaced }),
+      bytes ? [bytes] : [],
     );
   }
 
@@ -66,7 +88,7 @@ export class Engine implements AnyEngine {
     const id = this.next++;
     return new Promise((resolve, reject) => {
       if (!this.worker) {
-        reject(new EngineError('the engine is not running', 'fault'));
+        reject(new EngineError('the engine is not running', 'gone'));
         return;
       }
       this.pending.set(id, { resolve, reject, onProgress });

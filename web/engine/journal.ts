@@ -66,6 +66,7 @@ async function patiently<T>(open: () => Promise<T>): Promise<T> {
 }
 
 export class Journal {
+  private isFull = false;
   private last: { message: Message; from: number } | null = null;
 
   private constructor(
@@ -89,15 +90,24 @@ export class Journal {
     }
   }
 
-  append(entry: Entry): void {
+  /** @returns false where there is no room for it: the journal ends before it then, and takes no more. */
+  append(entry: Entry): boolean {
+    if (this.isFull) return false;
     let from = this.end;
     if (this.last && sameDrag(this.last.message, entry.message)) from = this.last.from;
     const data = formatEntry(entry);
     this.handle.truncate(from);
-    this.handle.write(data, { at: from });
+    try {
+      // Some browsers throw where there is no room, others write what fits.
+      this.isFull = this.handle.write(data, { at: from }) < data.byteLength;
+    } catch {
+      this.isFull = true;
+    }
+    if (this.isFull) this.handle.truncate(from);
     this.handle.flush();
     this.last = { message: entry.message, from };
-    this.end = from + data.byteLength;
+    this.end = from + (this.isFull ? 0 : data.byteLength);
+    return !this.isFull;
   }
 
   /** A project that begins anew needs nothing of what was before. */
@@ -106,5 +116,6 @@ export class Journal {
     this.handle.flush();
     this.end = 0;
     this.last = null;
+    this.isFull = false;
   }
 }

@@ -10,7 +10,10 @@ export interface Message {
 /** To the worker. Every request gets exactly one `done`, unless the worker is ended before. */
 export type Request =
   | { kind: 'start'; id: number; keep: boolean } // keep: write the journal, and play what is in it
-  | { kind: 'ask'; id: number; message: Message; bytes?: ArrayBuffer }; // transferred: the sender loses it
+  | { kind: 'rest'; id: number } // instead of start: no engine, only the journal
+  | { kind: 'ask'; id: number; message: Message; bytes?: ArrayBuffer } // transferred: the sender loses it
+  // Carried out by another engine: the journal alone takes it, after it forgot what was before where that was replaced.
+  | { kind: 'keep'; id: number; message: Message; bytes?: ArrayBuffer; replaced: boolean };
 
 /** From the worker. */
 export type Reply =
@@ -20,7 +23,7 @@ export type Reply =
 /** What went wrong, in words, with the remedy where there is one. */
 export interface Failure {
   ok: false;
-  kind: 'error' | 'refused' | 'cancelled' | 'memory' | 'fault';
+  kind: 'error' | 'refused' | 'cancelled' | 'memory' | 'fault' | 'gone'; // gone: it answers nothing any more
   message: string;
   remedy?: string;
 }
@@ -33,7 +36,7 @@ export interface Success {
 
 export type Answer = Success | Failure;
 
-/** Whether a message changes the project, so that it belongs into the journal. */
+/** Whether a message changes the project, so that the journal takes it. */
 export function isEdit(message: Message): boolean {
-  return message.op === 'open' || message.op === 'edit';
+  return message.op === 'open' || message.op === 'edit' || message.op === 'new';
 }

@@ -43,7 +43,7 @@ export class SocketEngine implements AnyEngine {
       socket.onopen = () => resolve({ ok: true, json: { ok: true }, arrays: {} });
       socket.onmessage = (event: MessageEvent<string | ArrayBuffer>) => this.hear(event.data);
       socket.onclose = () => {
-        const gone = new EngineError('the server is gone; what was done since the project was saved is lost', 'fault');
+        const gone = new EngineError('the server is gone', 'gone');
         reject(gone);
         this.fail(gone);
       };
@@ -55,7 +55,7 @@ export class SocketEngine implements AnyEngine {
     const id = this.next++;
     return new Promise((resolve, reject) => {
       if (this.socket?.readyState !== WebSocket.OPEN) {
-        reject(new EngineError('the server is not there', 'fault'));
+        reject(new EngineError('the server is gone', 'gone'));
         return;
       }
       this.pending.set(id, { resolve, reject, onProgress });

@@ -17,15 +17,16 @@ function post(reply: Reply, transfer: Transferable[] = []): void {
 function fault(error: unknown): Failure {
   const text = error instanceof Error ? error.message : String(error);
   const isMemory = /memory|OOM|abort/i.test(text);
+  engine = null; // what it throws it throws once
   return {
     ok: false,
-    kind: isMemory ? 'memory' : 'fault',
+    kind: 'gone',
     message: isMemory ? 'the memory that the browser gives a page is not enough for this' : `the engine failed: ${text}`,
   };
 }
 
 function handle(message: Message, bytes: ArrayBuffer | undefined, id: number): Answer {
-  if (!engine) return { ok: false, kind: 'fault', message: 'the engine has not started' };
+  if (!engine) return { ok: false, kind: 'gone', message: 'the engine has not started' };
   let told = 0;
   const progress = (stage: string, fraction: number): boolean => {
     const now = performance.now();
@@ -57,22 +58,30 @@ async function start(keep: boolean): Promise<Answer> {
   };
 }
 
+/** Keeps what was done. @returns whether it is kept. */
+function keep({ message, bytes }: { message: Message; bytes?: ArrayBuffer }, replaced: boolean): boolean {
+  if (!journal) return false;
+  if (replaced || message.op === 'new') journal.clear();
+  return message.op === 'new' || journal.append(bytes ? { message, bytes } : { message });
+}
+
 async function serve(request: Request): Promise<void> {
   let answer: Answer;
   try {
     if (request.kind === 'start') {
       answer = await start(request.keep);
+    } else if (request.kind === 'rest') {
+      journal = (await Journal.open())?.journal ?? null;
+      answer = { ok: true, json: { ok: true, kept: journal !== null }, arrays: {} };
+    } else if (request.kind === 'keep') {
+      answer = { ok: true, json: { ok: true, kept: keep(request, request.replaced) }, arrays: {} };
     } else if (request.message.op === 'new' && module) {
       engine?.delete();
       engine = new module.Engine();
-      journal?.clear();
-      answer = { ok: true, json: { ok: true }, arrays: {} };
+      answer = { ok: true, json: { ok: true, kept: keep(request, true) }, arrays: {} };
     } else {
       answer = handle(request.message, request.bytes, request.id);
-      if (answer.ok && isEdit(request.message)) {
-        if (answer.json.replaced === true) journal?.clear();
-        journal?.append(request.bytes ? { message: request.message, bytes: request.bytes } : { message: request.message });
-      }
+      if (answer.ok && isEdit(request.message)) answer.json.kept = keep(request, answer.json.replaced === true);
     }
   } catch (error) {
     answer = fault(error);

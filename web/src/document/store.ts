@@ -3,9 +3,9 @@
  * afterwards stands in signals that the panels read. Knows nothing of the view.
  */
 import { batch, computed, signal } from '@preact/signals';
-import { type AnyEngine, EngineError } from '../../engine/engine';
+import { type AnyEngine, EngineError, type KeepingEngine, type Listener } from '../../engine/engine';
 import { SocketEngine } from '../../engine/socket';
-import type { Message, Success } from '../../engine/messages';
+import { isEdit, type Message, type Success } from '../../engine/messages';
 import type { Continuity, Drawn, Edit, ObjectEntry, RequestOptions, Values } from './types';
 
 export interface Notice {
@@ -55,8 +55,13 @@ export class Store {
 
   readonly engineName = signal('');
 
-  constructor(private current: AnyEngine) {
-    this.engineName.value = current.name;
+  private current: AnyEngine;
+  private recovering = false;
+
+  /** @param own the page's engine; it keeps what is done, whichever engine does it. */
+  constructor(private own: KeepingEngine) {
+    this.current = own;
+    this.engineName.value = own.name;
   }
 
   get engine(): AnyEngine {
@@ -65,15 +70,16 @@ export class Store {
 
   /** The project goes over to another engine, whole with its history. */
   async moveTo(other: AnyEngine): Promise<void> {
-    const { arrays } = await this.engine.ask({ op: 'save' });
+    const { arrays } = await this.say({ op: 'save' });
     const project = (arrays.file as Uint8Array<ArrayBuffer>).slice().buffer;
     await other.start(false);
     if (this.objects.value.length > 0) await other.ask({ op: 'open', name: 'project.batten' }, project);
     const selected = this.selected.value;
-    this.current.end();
+    // The journal goes on with the project whole; what is before that stays, should the page be killed here.
+    this.noteKept(await this.own.rest());
+    if (this.objects.value.length > 0) this.noteKept(await this.own.keep({ op: 'open', name: 'project.batten' }, project, false));
     this.current = other;
     this.engineName.value = other.name;
-    this.kept.value = false; // the journal is that of the page's own engine
     this.forget();
     await this.refresh();
     this.selected.value = this.objects.value.some((one) => one.id === selected) ? selected : null;
@@ -82,7 +88,9 @@ export class Store {
 
   /** @param show what the journal brought back; not after a stop, which would begin again what was stopped. */
   async start(keep: boolean, show = true): Promise<void> {
-    const { json } = await this.engine.start(keep);
+    this.current = this.own;
+    this.engineName.value = this.own.name;
+    const { json } = await this.own.start(keep);
     this.kept.value = json.kept === true;
     await this.refresh();
     if (show && Number(json.played) > 0) {
@@ -133,7 +141,7 @@ export class Store {
   /** @param drag the same number for all positions of one drag, which are one edit; 0 for others. */
   async edit(edit: Edit, drag = 0): Promise<boolean> {
     const done = await this.guard(edit.op, async () => {
-      await this.engine.ask({ op: 'edit', edit, drag });
+      await this.say({ op: 'edit', edit, drag });
       await this.refresh();
       return true;
     });
@@ -142,13 +150,13 @@ export class Store {
 
   /** An edit whose refusal the caller shows. @throws EngineError */
   async send(edit: Edit, drag = 0): Promise<void> {
-    await this.engine.ask({ op: 'edit', edit, drag });
+    await this.say({ op: 'edit', edit, drag });
     await this.refresh();
   }
 
   /** What changes nothing, for the tools of rooms: their previews and measures. @throws EngineError */
   query(message: Message): Promise<Success> {
-    return this.engine.ask(message);
+    return this.say(message);
   }
 
   async undo(): Promise<void> {
@@ -159,7 +167,7 @@ export class Store {
   }
 
   async clear(): Promise<void> {
-    await this.engine.ask({ op: 'new' });
+    await this.say({ op: 'new' });
     this.forget();
     await this.refresh();
   }
@@ -227,7 +235,7 @@ export class Store {
       const { target, request, show, rest, drag } = this.waiting;
       this.waiting = null;
       try {
-        await this.engine.ask({ op: 'edit', edit: { op: 'request', object: target, request }, drag });
+        await this.say({ op: 'edit', edit: { op: 'request', object: target, request }, drag });
         await this.refresh();
         if (show) await this.follow(show, rest);
         else if (rest) await this.showAll();
@@ -253,7 +261,7 @@ export class Store {
     const entry = this.objects.value.find((one) => one.id === id);
     if (!entry) return;
     const from = performance.now();
-    const answer = await this.engine.ask({
+    const answer = await this.say({
       op: 'follow',
       object: id,
       moving: !fine,
@@ -348,11 +356,48 @@ export class Store {
   private async ask(what: string, message: Message, bytes?: ArrayBuffer): Promise<Success> {
     this.work.value = { what, stage: '', fraction: 0 };
     try {
-      return await this.engine.ask(message, bytes, (stage, fraction) => {
+      return await this.say(message, bytes, (stage, fraction) => {
         this.work.value = { what, stage, fraction };
       });
     } finally {
       this.work.value = null;
+    }
+  }
+
+  /** Asks the engine of the project. What it changed is kept by the page's own; where it is gone, that one takes over. */
+  private async say(message: Message, bytes?: ArrayBuffer, onProgress?: Listener): Promise<Success> {
+    const engine = this.current;
+    try {
+      const answer = await engine.ask(message, bytes, onProgress);
+      if (isEdit(message))
+        this.noteKept(engine === this.own ? answer : await this.own.keep(message, bytes, answer.json.replaced === true));
+      return answer;
+    } catch (error) {
+      if (error instanceof EngineError && error.kind === 'gone' && engine === this.current) await this.recover();
+      throw error;
+    }
+  }
+
+  private noteKept({ json }: Success): void {
+    if (json.kept !== false || !this.kept.value) return;
+    this.kept.value = false;
+    this.tell('warning', 'The browser has no room left: what is done from here on is not kept.', 'Save the project.');
+  }
+
+  /** The project as the journal has it, in an engine that is started anew. */
+  private async recover(): Promise<void> {
+    if (this.recovering || !this.kept.value) return;
+    this.recovering = true;
+    const { selected } = this;
+    const before = selected.value;
+    try {
+      this.forget();
+      await this.start(true, false);
+      selected.value = this.objects.value.some((one) => one.id === before) ? before : null;
+      this.tell('warning', 'The engine was started again, in this page. The project is as it was before.');
+      await this.showAll();
+    } finally {
+      this.recovering = false;
     }
   }
 
@@ -427,7 +472,7 @@ export class Store {
   }
 
   private async refresh(): Promise<void> {
-    const { json } = await this.engine.ask({ op: 'document' });
+    const { json } = await this.say({ op: 'document' });
     const objects = json.objects as ObjectEntry[];
     const there = new Set(objects.map((one) => one.id));
     batch(() => {

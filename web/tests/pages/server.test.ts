@@ -69,6 +69,17 @@ test.describe('with the server', () => {
       await expect.poll(() => triangles(page), { timeout: 60_000 }).toBe(inPage);
       await page.keyboard.press('Control+z'); // the history came over
       await expect.poll(() => page.evaluate(() => globalThis.batten?.store.objects.value.length)).toBe(2);
+      // The server is killed: the page goes on with what was done there, but for the edit in flight.
+      own.kill('SIGKILL');
+      await page.waitForTimeout(200);
+      await page.keyboard.press('Control+Shift+z');
+      await expect(page.getByText('The engine was started again, in this page.')).toBeVisible({ timeout: 60_000 });
+      await expect(page.getByText('engine in this page', { exact: true })).toBeVisible();
+      await expect.poll(() => page.evaluate(() => globalThis.batten?.store.objects.value.length)).toBe(2);
+      await page.keyboard.press('Control+Shift+z');
+      await expect.poll(() => page.evaluate(() => globalThis.batten?.store.objects.value.length)).toBe(3);
+      await page.getByRole('button', { name: 'hull surface', exact: true }).click();
+      await expect.poll(() => triangles(page), { timeout: 60_000 }).toBe(inPage);
     } finally {
       own.kill('SIGTERM');
     }

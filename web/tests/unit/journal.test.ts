@@ -41,6 +41,7 @@ class Disk {
   bytes: number[] = [];
   steps = 0;
   killAfter = Infinity;
+  room = Infinity;
 
   private step(): void {
     if (++this.steps > this.killAfter) throw new Error('killed');
@@ -55,10 +56,12 @@ class Disk {
         this.bytes.length = size;
       },
       write: (data: Uint8Array, { at }: { at: number }) => {
-        data.forEach((byte, i) => {
+        const fits = data.slice(0, Math.max(0, this.room - at));
+        fits.forEach((byte, i) => {
           this.step();
           this.bytes[at + i] = byte;
         });
+        return fits.length;
       },
       flush: () => this.step(),
     };
@@ -119,5 +122,22 @@ describe('a page that is killed', () => {
       expect(parseJournal(new Uint8Array(disk.bytes)).entries.map((one) => one.message.k)).toEqual([...found, -1]);
     }
     expect(n_lost).toBeGreaterThan(100); // kills hit what was being written
+  });
+});
+
+describe('a disk that is full', () => {
+  afterEach(() => vi.unstubAllGlobals());
+
+  it('leaves whole records, and no gap between them', async () => {
+    const disk = new Disk();
+    const { journal } = await disk.journal();
+    const entry = (k: number, size = 0) => ({ message: { op: 'edit', k }, ...(size ? { bytes: new ArrayBuffer(size) } : {}) });
+    expect(journal.append(entry(1))).toBe(true);
+    disk.room = disk.bytes.length + 100;
+    expect(journal.append(entry(2, 500))).toBe(false);
+    expect(journal.append(entry(3))).toBe(false); // it would fit, and would be played without what was before
+    expect(parseJournal(new Uint8Array(disk.bytes)).entries.map((one) => one.message.k)).toEqual([1]);
+    journal.clear();
+    expect(journal.append(entry(4))).toBe(true);
   });
 });
