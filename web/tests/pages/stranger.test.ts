@@ -84,6 +84,17 @@ test('a file that is none is refused in words, and nothing is lost', async ({ pa
   expect(await page.evaluate(() => globalThis.batten?.store.objects.value.length)).toBe(0);
 });
 
+test('a second window says that it keeps nothing, and the first goes on', async ({ page, context }) => {
+  await openSample(page);
+  const fine = await triangles(page);
+  const second = await context.newPage();
+  await second.goto('/');
+  await expect(second.getByText('not kept: save the project')).toBeVisible();
+  await second.close();
+  await page.reload();
+  await expect.poll(() => triangles(page), { timeout: 60_000 }).toBe(fine);
+});
+
 test('works without a network after one visit', async ({ page, context }) => {
   await openSample(page);
   await page.evaluate(() => navigator.serviceWorker.ready);
