@@ -35,7 +35,7 @@ export function BendPart({ app }: { app: App }) {
       </div>
       <p class="hint">
         {held
-          ? 'Drag the red dot; what is marked moves with it. Another place of the mesh takes hold there.'
+          ? 'Drag the red dot, an arrow to move along an axis, or the ring to turn; what is marked moves with it. Another place of the mesh takes hold there.'
           : 'Press on the mesh and drag. The right button or shift turns the view meanwhile; Shift+D takes hold of the middle of the view.'}
       </p>
       {bending.problem.value && (

@@ -1,9 +1,10 @@
 /** A mesh pulled at: a place is held, dragged with a preview, and what comes of it is a step that undo takes back. */
 import { signal } from '@preact/signals';
-import { type Mesh, Plane, Vector3 } from 'three';
+import { type Mesh, Plane, type Vector2, Vector3 } from 'three';
 import type { App } from '../app';
 import type { RequestOptions } from '../document/types';
 import { register } from '../ui/commands';
+import { Gumball, type Grip } from '../view/gumball';
 import { dots, INK, moveSheet, sheet, together } from '../view/overlays';
 import type { PointerTool, View } from '../view/scene';
 
@@ -44,9 +45,10 @@ export class Bending implements PointerTool {
   /** The step that the held place has become, once it has moved. */
   readonly result = signal<string | null>(null);
   private mesh: Mesh | null = null;
-  private drag: { pointer: number; plane: Plane; from: Vector3; before: Place } | null = null;
+  private drag: { pointer: number; plane: Plane; from: Vector3; before: Motion; grip: { grip: Grip; ball: Gumball; from: Vector2 } | null } | null = null;
   private pulling = false;
   private isCommitting = false;
+  private hasMore = false;
   private wanted: Motion | null = null;
   private grabbing: Promise<void> | null = null;
 
@@ -159,9 +161,11 @@ export class Bending implements PointerTool {
     const place = view.place(event);
     const held = this.held.value;
     if (held) {
-      const at = view.onScreen(this.handleAt(held));
-      if (Math.hypot(at.x - place.x, at.y - place.y) < (event.pointerType === 'touch' ? 40 : 24)) {
-        this.begin(event);
+      const isTouch = event.pointerType === 'touch';
+      const ball = this.gumball(held);
+      const grip = ball.gripAt(view, place, isTouch ? 24 : 10);
+      if (grip || view.onScreen(ball.centre).distanceTo(place) < (isTouch ? 40 : 24)) {
+        this.begin(event, undefined, grip ? { grip, ball, from: place } : null);
         return true;
       }
     }
@@ -174,27 +178,35 @@ export class Bending implements PointerTool {
     return true;
   }
 
-  private begin(event: PointerEvent, at?: Vector3): void {
+  private begin(event: PointerEvent, at?: Vector3, grip: NonNullable<Bending['drag']>['grip'] = null): void {
     const { view } = this;
     if (!view) return;
     const held = this.held.value;
     const from = at ?? (held ? this.handleAt(held) : new Vector3());
     const sight = view.camera.camera.getWorldDirection(new Vector3());
     const plane = new Plane().setFromNormalAndCoplanarPoint(sight, from);
-    this.drag = { pointer: event.pointerId, plane, from: from.clone(), before: at ? [0, 0, 0] : [...this.motion.value.translation] };
+    this.drag = { pointer: event.pointerId, plane, from: from.clone(), before: at ? REST : this.motion.value, grip };
   }
 
   move(event: PointerEvent): void {
     const { view, drag } = this;
     if (!view || !drag || event.pointerId !== drag.pointer) return;
     const place = view.place(event);
-    const to = view.ray(place.x, place.y).intersectPlane(drag.plane, new Vector3());
     const held = this.held.value;
-    if (!to || !held) return;
-    const way = to.sub(drag.from);
-    const along = this.direction(held);
-    if (along) way.copy(along.multiplyScalar(way.dot(along)));
-    const translation = drag.before.map((x, i) => Number((x + way.getComponent(i)).toPrecision(6))) as Place;
+    if (!held) return;
+    let way: Vector3 | null;
+    if (drag.grip) {
+      const { grip, ball, from } = drag.grip;
+      const amount = ball.moved(view, grip, from, place);
+      if (grip.kind === 'turn') return this.pull({ ...drag.before, angle: Math.round(drag.before.angle + (amount * 180) / Math.PI) });
+      way = grip.axis.clone().multiplyScalar(amount);
+    } else {
+      way = view.ray(place.x, place.y).intersectPlane(drag.plane, new Vector3())?.sub(drag.from) ?? null;
+      const along = this.direction(held);
+      if (way && along) way.copy(along.multiplyScalar(way.dot(along)));
+    }
+    if (!way) return;
+    const translation = drag.before.translation.map((x, i) => Number((x + way.getComponent(i)).toPrecision(6))) as Place;
     this.pull({ ...this.motion.value, translation });
   }
 
@@ -203,7 +215,8 @@ export class Bending implements PointerTool {
     const { before } = this.drag;
     this.drag = null;
     const finish = () => {
-      if (this.motion.value.translation.some((x, i) => x !== before[i])) void this.commit();
+      const { translation, angle } = this.motion.value;
+      if (angle !== before.angle || translation.some((x, i) => x !== before.translation[i])) void this.commit();
     };
     if (this.grabbing) void this.grabbing.then(finish);
     else finish();
@@ -211,7 +224,7 @@ export class Bending implements PointerTool {
 
   cancel(): void {
     if (!this.drag) return;
-    this.motion.value = { ...this.motion.value, translation: this.drag.before };
+    this.motion.value = this.drag.before;
     this.drag = null;
     this.endPreview();
     this.showMarks();
@@ -223,6 +236,11 @@ export class Bending implements PointerTool {
     if (along === 'view') return null;
     if (along === 'normal') return new Vector3(...held.normal);
     return new Vector3(Number(along === 'x'), Number(along === 'y'), Number(along === 'z'));
+  }
+  /** As large as the handle asks, and never lost on a small one. */
+  private gumball(held: Held): Gumball {
+    const size = this.view?.size() ?? 1;
+    return new Gumball(this.handleAt(held), new Vector3(...held.normal).normalize(), Math.max(0.16, (4 * this.radius.value) / 100) * size);
   }
   private handleAt(held: Held): Vector3 {
     return (this.view?.fromModel(held.place) ?? new Vector3()).add(new Vector3(...this.motion.value.translation));
@@ -288,8 +306,9 @@ export class Bending implements PointerTool {
     const held = this.held.value;
     if (!view || !held || !base) return;
     const points = [...held.moved].map((v) => new Vector3(...base.positions.subarray(3 * v, 3 * v + 3)));
-    const middle = this.handleAt(held).sub(view.fromModel(base.origin));
-    view.overlay('handle', together(view.fromModel(base.origin), dots(points, INK.drawn, 4), dots([middle], INK.refused, 14)));
+    const origin = view.fromModel(base.origin);
+    const ball = this.gumball(held);
+    view.overlay('handle', together(origin, dots(points, INK.drawn, 4), ...ball.parts(origin), dots([ball.centre.clone().sub(origin)], INK.refused, 14)));
   }
 
   /** Numbers typed, or sliders moved: `rest` makes the step. */
@@ -302,10 +321,15 @@ export class Bending implements PointerTool {
   /** The preview becomes a step, or changes the one that it became before. */
   async commit(): Promise<void> {
     const held = this.held.value;
-    if (!held || this.isCommitting) return;
+    if (!held) return;
+    this.hasMore = true;
+    if (this.isCommitting) return; // what is being made is made again with it
     this.isCommitting = true;
     try {
-      await this.makeStep(held);
+      while (this.hasMore && this.held.value === held) {
+        this.hasMore = false;
+        await this.makeStep(held);
+      }
     } finally {
       this.isCommitting = false;
     }

@@ -66,15 +66,20 @@ export function grid(view: View, plane: { axis: 'x' | 'y' | 'z'; offset: number 
 }
 
 /** Pieces of lines as wide as curves: both ends of each, and one colour or one per end. */
-export function segments(ends: Float32Array, color: number | Float32Array, width = 2): LineSegments2 {
+export function segments(ends: Float32Array, color: number | Float32Array, width = 2, depthTest = true): LineSegments2 {
   const geometry = new LineSegmentsGeometry();
   geometry.setPositions(ends);
   const isList = typeof color !== 'number';
   if (isList) geometry.setColors(color);
-  return new LineSegments2(
+  const made = new LineSegments2(
     geometry,
-    keptMaterial(`segments ${isList || color} ${width}`, () => new LineMaterial({ ...(isList ? { vertexColors: true } : { color }), linewidth: width })),
+    keptMaterial(
+      `segments ${isList || color} ${width} ${depthTest}`,
+      () => new LineMaterial({ ...(isList ? { vertexColors: true } : { color }), linewidth: width, depthTest }),
+    ),
   );
+  made.renderOrder = depthTest ? 0 : 2;
+  return made;
 }
 /** The same, a pixel wide: for many. */
 export function hairs(ends: Float32Array, colours: Float32Array): LineSegments {

@@ -93,7 +93,7 @@ test('before and after stand beside each other, with a line between that is drag
   await expect(line).toHaveCount(0);
 });
 
-test('a place is held and dragged: a preview, a step, changed by a number, undone twice', async ({ page }) => {
+test('a place is held and dragged: a preview, a step, moved by an arrow, changed by a number, undone', async ({ page }) => {
   await open(page, 'sheet.obj', sheet(30, false));
   await page.getByLabel('Do', { exact: true }).selectOption('deform');
   const rest = (await selected(page)).top;
@@ -108,6 +108,22 @@ test('a place is held and dragged: a preview, a step, changed by a number, undon
   await expect.poll(() => selected(page)).toMatchObject({ kind: 'deform' });
   await expect.poll(async () => (await selected(page)).top).toBeGreaterThan(rest + 5);
   await picture(page, 'studio-process');
+  // By its arrow the place moves along z alone.
+  const tip = await page.evaluate(() => {
+    const { view, store } = globalThis.batten ?? {};
+    const moved = (store?.selectedObject.value?.request?.moved as { translation: number[]; about: number[] }[] | undefined)?.[0];
+    if (!view || !moved) return null;
+    const centre = view.fromModel(moved.about.map((one, i) => one + (moved.translation[i] ?? 0)));
+    return view.onScreen(centre.setZ(centre.z + 0.2 * view.size()));
+  });
+  if (!tip) throw new Error('nothing is held');
+  const before = (await selected(page)).motion?.translation ?? [];
+  await page.mouse.move(box.x + tip.x, box.y + tip.y);
+  await page.mouse.down();
+  for (let i = 1; i <= 4; ++i) await page.mouse.move(box.x + tip.x + 3 * i, box.y + tip.y - 8 * i);
+  await page.mouse.up();
+  await expect.poll(async () => (await selected(page)).motion?.translation[2]).toBeGreaterThan((before[2] ?? 0) + 2);
+  expect((await selected(page)).motion?.translation.slice(0, 2)).toEqual(before.slice(0, 2));
   const z = page.getByRole('spinbutton', { name: /^Move z/ });
   await z.fill('40');
   await z.press('Enter');
@@ -115,6 +131,8 @@ test('a place is held and dragged: a preview, a step, changed by a number, undon
   await expect.poll(async () => (await selected(page)).top).toBeGreaterThan(30);
   await page.keyboard.press('Control+z');
   await expect.poll(async () => (await selected(page)).motion?.translation[2]).toBeLessThan(40);
+  await page.keyboard.press('Control+z');
+  await expect.poll(async () => (await selected(page)).motion?.translation).toEqual(before);
   await page.keyboard.press('Control+z');
   await expect.poll(() => page.evaluate(() => globalThis.batten?.store.objects.value.length)).toBe(1);
   // By the keyboard alone.
