@@ -18,18 +18,6 @@ namespace batten::cli {
 
 namespace {
 
-/// True when a line of the text starts with an `f` and a blank: an OBJ with faces.
-bool has_faces(std::string_view text) {
-  for (std::size_t at = 0; at < text.size();) {
-    while (at < text.size() && (text[at] == ' ' || text[at] == '\t')) ++at;
-    if (at + 1 < text.size() && text[at] == 'f' && (text[at + 1] == ' ' || text[at + 1] == '\t')) return true;
-    at = text.find('\n', at);
-    if (at == std::string_view::npos) return false;
-    ++at;
-  }
-  return false;
-}
-
 void take(MeshFile&& file, Model& model) {
   model.mesh = std::move(file.mesh);
   model.attributes = std::move(file.attributes);
@@ -45,17 +33,11 @@ Model read_model(const std::string& path, std::vector<std::string>& warnings) {
   Model model;
   model.path = path;
   std::vector<std::string> told;
-  if (extension == "net" || extension == "json" || extension == "txt" || extension == "lop") {
-    model.network = read_network(path, &told);
-  } else if (extension == "obj") {
-    std::string content = read_file(path);
-    if (has_faces(content))
-      take(parse_mesh_file(std::move(content), path, &told), model);
-    else
-      model.network = parse_network(std::move(content), path, &told);
-  } else {
-    take(read_mesh_file(path, &told), model);
-  }
+  std::string content = read_file(path);
+  if (holds_network(extension, content))
+    model.network = parse_network(std::move(content), path, &told);
+  else
+    take(parse_mesh_file(std::move(content), path, &told), model);
   for (const std::string& warning : told) warnings.push_back(concat(path, ": ", warning));
   return model;
 }

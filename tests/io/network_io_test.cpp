@@ -139,6 +139,16 @@ TEST(NetworkIo, CurveTextClosesCurvesThatReturnToTheirFirstPoint) {
 }
 
 // A cubic Bézier curve is the B-spline with its knots at both ends; its point at 1/2 is (a + 3b + 3c + d)/8.
+TEST(NetworkIo, CurvesAreToldFromFaces) {
+  for (const char* extension : {"net", "json", "txt", "lop"})
+    EXPECT_TRUE(holds_network(extension, "")) << extension;
+  for (const char* extension : {"ply", "stl", "rawnet", "csv", ""})
+    EXPECT_FALSE(holds_network(extension, "")) << extension;
+  EXPECT_TRUE(holds_network("obj", "v 0 0 0\nv 1 0 0\nl 1 2\nfurther 1\n"));
+  EXPECT_FALSE(holds_network("obj", "v 0 0 0\n \tf\t1 2 3"));
+  EXPECT_FALSE(holds_network("obj", "l 1 2\nf 1 2 3\n"));
+}
+
 TEST(NetworkIo, BSplineLoopsAreSampledExactly) {
   const CurveNetwork network = parse_network(
       "2\n3\n8 0 0 0 0 1 1 1 1\n4 0 0 0 1 2 0 3 2 0 4 0 0\n1\n4 0 0 1 1\n2 4 0 0 0 0 0\n", "a.lop");

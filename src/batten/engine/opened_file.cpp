@@ -25,18 +25,6 @@ std::string stem_of(std::string_view name) {
   return std::string(name.empty() ? "object" : name);
 }
 
-/// Whether a line of an OBJ begins with the keyword of faces.
-bool has_faces(std::string_view text) {
-  for (std::size_t at = 0; at < text.size();) {
-    while (at < text.size() && (text[at] == ' ' || text[at] == '\t')) ++at;
-    if (at + 1 < text.size() && text[at] == 'f' && (text[at + 1] == ' ' || text[at + 1] == '\t')) return true;
-    at = text.find('\n', at);
-    if (at == std::string_view::npos) return false;
-    ++at;
-  }
-  return false;
-}
-
 bool is_calibration(std::string_view text) {
   return text.substr(0, 4096).find("\"batten calibration\"") != std::string_view::npos;
 }
@@ -66,8 +54,7 @@ OpenedFile open_file(std::string bytes, const std::string& name) {
     file.content = shared(std::move(read.scan));
   } else if (extension == "json" && is_calibration(bytes)) {
     file.content = parse_calibration(bytes, name);
-  } else if (extension == "net" || extension == "json" || extension == "txt" || extension == "lop" ||
-             (extension == "obj" && !has_faces(bytes))) {
+  } else if (holds_network(extension, bytes)) {
     network();
   } else {
     file.content = shared(parse_mesh(std::move(bytes), name, &file.warnings));

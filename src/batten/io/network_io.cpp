@@ -280,6 +280,18 @@ bool format_of_extension(const std::string& extension, NetworkFormat& format) {
   return true;
 }
 
+/// Whether a line of an OBJ begins with the keyword of faces.
+bool has_faces(std::string_view text) {
+  for (std::size_t at = 0; at < text.size();) {
+    while (at < text.size() && (text[at] == ' ' || text[at] == '\t')) ++at;
+    if (at + 1 < text.size() && text[at] == 'f' && (text[at + 1] == ' ' || text[at + 1] == '\t')) return true;
+    at = text.find('\n', at);
+    if (at == std::string_view::npos) return false;
+    ++at;
+  }
+  return false;
+}
+
 /// The format that the content shows beyond doubt; false when it could be several.
 bool sniffed_format(std::string_view content, NetworkFormat& format) {
   if (content.substr(0, 3) == "\xEF\xBB\xBF") content.remove_prefix(3);
@@ -356,6 +368,12 @@ void refuse_compressed(const std::string& path) {
 }
 
 }  // namespace
+
+bool holds_network(std::string_view extension, std::string_view content) {
+  NetworkFormat format{};
+  return format_of_extension(std::string(extension), format) &&
+         (format != NetworkFormat::Obj || !has_faces(content));
+}
 
 NetworkFormat network_format(std::string_view path) {
   NetworkFormat format = NetworkFormat::Net;

@@ -31,6 +31,10 @@ CurveNetwork read_network(const std::string& path, std::vector<std::string>* war
 CurveNetwork parse_network(std::string content, const std::string& path,
                            std::vector<std::string>* warnings = nullptr);
 
+/// Whether a file holds curves and no faces: by its extension (lower case, without a dot), an OBJ by its
+/// content.
+bool holds_network(std::string_view extension, std::string_view content);
+
 /// The format that write_network() takes for a path: .net, .obj or .json.
 /// @throws FileError naming these extensions when that of `path` is none of them.
 NetworkFormat network_format(std::string_view path);
