@@ -1,4 +1,5 @@
 #include "command.hpp"
+#include "commands/capture.hpp"
 
 #include <cmath>
 #include <cstdio>
@@ -12,7 +13,6 @@
 #include "batten/core/text.hpp"
 #include "batten/core/units.hpp"
 #include "batten/io/file.hpp"
-#include "batten/io/sensor_log_io.hpp"
 #include "batten/pipeline/recorded_capture.hpp"
 
 namespace batten::cli {
@@ -71,38 +71,10 @@ class PreviewPrinter {
   std::string source_;
 };
 
-Json decoded_json(const DecodedRecording& decoded) {
-  const DecodeReport& report = decoded.report;
-  Json json = Json::object();
-  json["readings"] = decoded.log.n_readings();
-  json["packets"] = report.n_packets;
-  json["lines"] = report.n_lines;
-  json["short"] = report.n_short;
-  json["refused"] = report.n_refused;
-  json["duplicates"] = report.n_duplicates;
-  json["missing"] = report.n_missing;
-  json["restarts"] = report.n_restarts;
-  json["clock_rate"] = report.clock_rate;
-  json["form"] = report.form ? Json(std::string(word_of(report.form->form))) : Json(nullptr);
-  return json;
-}
-
 void tell(RecordedCapture& result, Outcome& outcome) {
   add_run(result.times, result.warnings, outcome);
   const CaptureReport& report = result.report;
-  Json& figures = outcome.figures;
-  figures["end"] = report.end;
-  figures["recorded_s"] = report.seconds;
-  figures["events"] = report.n_events;
-  figures["losses"] = report.n_losses;
-  figures["lost_s"] = report.seconds_lost;
-  figures["rate_hz"] = report.last.rate_hz;
-  figures["jitter_ms"] = 1000 * report.last.jitter_s;
-  figures["latency_95_ms"] = 1000 * report.latency_95_s;
-  figures["largest_latency_ms"] = 1000 * report.largest_latency_s;
-  figures["drift_mm"] = report.last.drift_m ? Json(1000 * *report.last.drift_m) : Json(nullptr);
-  figures["curves"] = result.decoded ? result.decoded->log.curves.size() : 0;
-  if (result.decoded) figures["decoded"] = decoded_json(*result.decoded);
+  commands::append(commands::figures_of(result), outcome.figures);
   outcome.lines.push_back(concat(report.end, " after ", two_digits(report.seconds), " s: ", report.n_events,
                                  " events, ", report.n_losses, " losses"));
   if (result.decoded)
@@ -121,13 +93,6 @@ Outcome list_all() {
   return outcome;
 }
 
-/// The text of a calibration file on one line. @throws FileError when it is none.
-std::string calibration_text(const std::string& path) {
-  std::string text = read_file(path);
-  parse_calibration(text, path);
-  return Json::parse(text).dump();
-}
-
 Outcome run_capture(const CaptureArguments& arguments, Context& context) {
   if (arguments.list) return list_all();
   if (arguments.source.empty())
@@ -141,7 +106,8 @@ Outcome run_capture(const CaptureArguments& arguments, Context& context) {
   if (!arguments.wheel.empty()) options.wheel_m = parse_length(arguments.wheel).value;
   if (arguments.nodes > 0) options.n_nodes = arguments.nodes;
   if (!arguments.form.empty()) options.form = parse_choice<PacketForm>(arguments.form);
-  if (!arguments.calibration.empty()) options.calibration = calibration_text(arguments.calibration);
+  if (!arguments.calibration.empty())
+    options.calibration = commands::calibration_line(read_file(arguments.calibration), arguments.calibration);
   Outcome outcome;
   CaptureHooks hooks;
   TerminalKeys keys;
@@ -160,7 +126,8 @@ Outcome run_replay(const ReplayArguments& arguments, Context& context) {
   CaptureHooks hooks;
   PreviewPrinter printer;
   hooks.update = [&printer](const PreviewState& state) { printer(state); };
-  RecordedCapture result = replay_recording(arguments.recording, arguments.speed, hooks, context.progress);
+  RecordedCapture result =
+      replay_recording(read_recording(arguments.recording), arguments.speed, hooks, context.progress);
   tell(result, outcome);
   return outcome;
 }

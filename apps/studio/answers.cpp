@@ -70,6 +70,10 @@ std::optional<std::string> value_of(std::string_view query, std::string_view nam
   return std::nullopt;
 }
 
+bool is_socket_path(std::string_view path) {
+  return path == "/engine" || path == "/capture";
+}
+
 bool is_file_path(std::string_view path) {
   return path == "/files" || path.substr(0, 7) == "/files/";
 }
@@ -120,6 +124,10 @@ bool accepts_gzip(std::string_view list) {
 
 }  // namespace
 
+bool is_capture_socket(const Question& question) {
+  return path_of(question) == "/capture";
+}
+
 Answer sentence_answer(int status, std::string_view sentence) {
   return json_answer(status, {{"ok", false}, {"message", sentence}});
 }
@@ -155,9 +163,9 @@ std::optional<Answer> Answers::refusal(const Question& q) const {
     answer.headers.emplace_back("Allow", methods_of(path));
     return answer;
   }
-  if (q.is_upgrade != (path == "/engine")) {
+  if (q.is_upgrade != is_socket_path(path)) {
     if (q.is_upgrade) return refused(404, "there is no socket of this name");
-    Answer answer = sentence_answer(426, "this is the socket of the engine; see docs/studio-server.md");
+    Answer answer = sentence_answer(426, "this is a socket; see docs/studio-server.md");
     answer.headers.emplace_back("Upgrade", "websocket");
     return answer;
   }

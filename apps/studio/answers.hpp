@@ -29,6 +29,9 @@ struct Question {
   bool is_chunked = false;               ///< a body whose length is not told
 };
 
+/// Whether a WebSocket is meant for captures; else it is the engine's.
+bool is_capture_socket(const Question& question);
+
 /// An answer; its body is `text`, or `bytes` of the page, or an opened file.
 struct Answer {
   int status = 200;

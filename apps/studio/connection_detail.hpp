@@ -95,12 +95,13 @@ class Connection : public std::enable_shared_from_this<Connection> {
   }
 
   void upgrade() {
-    if (hub_.engines.size() >= hub_.limits.sockets) {
+    if (hub_.services.size() >= hub_.limits.sockets) {
       Answer answer = sentence_answer(503, "there are as many windows as the server keeps; close one");
       answer.refused = "too many sockets";
       return send(std::move(answer), false);
     }
-    std::make_shared<Socket>(stream_.release_socket(), hub_)->accept(parser_->get());
+    std::make_shared<Socket>(stream_.release_socket(), hub_)
+        ->accept(parser_->get(), is_capture_socket(question_));
   }
 
   void send(Answer answer, bool keep) {

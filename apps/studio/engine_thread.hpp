@@ -1,6 +1,5 @@
 #pragma once
-#include "studio/folder.hpp"
-#include "studio/frames.hpp"
+#include "studio/service.hpp"
 
 #include <atomic>
 #include <condition_variable>
@@ -27,12 +26,8 @@ Handle make_engine();
 
 /// The engine of one window on a thread of its own: requests are carried out one after the other in their
 /// order, and a cancel gets through while one runs.
-class EngineThread {
+class EngineThread : public Service {
  public:
-  struct Hooks {
-    std::function<void(std::vector<Frame>)> send;  ///< called on the engine's thread
-    std::function<void()> ended;                   ///< the last that happens on the engine's thread
-  };
   /// Requests that may wait, and the bytes among them.
   static constexpr std::size_t kMostWaiting = 64;
   static constexpr std::size_t kMostWaitingBytes = 2 * kMostFrame;
@@ -41,17 +36,16 @@ class EngineThread {
 
   EngineThread(const MakeHandle& make, Hooks hooks);
   /// Stops what runs and waits for it.
-  ~EngineThread();
+  ~EngineThread() override;
   EngineThread(const EngineThread&) = delete;
   EngineThread& operator=(const EngineThread&) = delete;
 
-  /// False where too much waits already. @param file is read when the request's turn comes, where it has one.
-  bool ask(Request request, OpenedBytes file = {});
-  void cancel(std::uint32_t target);
-  /// Frames of so many bytes have left, or were dropped.
-  void sent(std::size_t n_bytes);
-  /// Stops what runs; nothing is sent any more, and the thread comes to its end.
-  void close();
+  /// @param file is read when the request's turn comes.
+  bool ask(Request request, OpenedBytes file) override;
+  void cancel(std::uint32_t target) override;
+  void sent(std::size_t n_bytes) override;
+  /// Stops what runs; `ended` is the last that happens on the engine's thread.
+  void close() override;
 
  private:
   void run(const MakeHandle& make);

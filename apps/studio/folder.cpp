@@ -28,18 +28,18 @@ constexpr std::size_t kLongestName = 120;
 constexpr int kMostLookedAt =
     20000;  // entries of folders: whoever starts it for a whole disk gets a part of it
 
-/// What the engine reads; by the extension, through .gz.
+/// What the engine reads, and recordings; by the extension, through .gz.
 bool is_readable(std::string_view name) {
-  static const std::set<std::string, std::less<>> known = {"rawnet", "csv",  "net", "json",  "lop",
-                                                           "txt",    "obj",  "ply", "off",   "stl",
-                                                           "glb",    "gltf", "3mf", "batten"};
+  static const std::set<std::string, std::less<>> known = {"rawnet", "csv",  "net", "json",   "lop",
+                                                           "txt",    "obj",  "ply", "off",    "stl",
+                                                           "glb",    "gltf", "3mf", "batten", "blog"};
   return known.count(file_extension(name)) != 0;
 }
 
 /// What the studio makes, besides: no name that a shell or a desktop would run.
 bool is_writable(std::string_view name) {
-  static const std::set<std::string, std::less<>> known = {"step", "stp", "igs",  "iges",
-                                                           "png",  "svg", "html", "blog"};
+  static const std::set<std::string, std::less<>> known = {"step", "stp", "igs", "iges",
+                                                           "png",  "svg", "html"};
   return !name.ends_with(".gz") && (is_readable(name) || known.count(file_extension(name)) != 0);
 }
 
@@ -72,6 +72,17 @@ bool write_all(int descriptor, std::string_view bytes) {
     bytes.remove_prefix(static_cast<std::size_t>(n));
   }
   return true;
+}
+
+/// A file that was not there before, and no link.
+constexpr int kNewFile = O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC;
+
+/// What errno says of a file that was to be made.
+Written failure_of(const std::string& name) {
+  if (errno == EEXIST)
+    return {Written::Outcome::Exists,
+            concat("there is a file ", name, " already; choose another name or replace it"), 0};
+  return {Written::Outcome::Failed, concat(name, " cannot be written: ", reason()), 0};
 }
 
 /// Gives a file its name where that is free. False with errno where it is not.
@@ -144,6 +155,7 @@ int Folder::number_of(const std::string& relative) {
 }
 
 Listing Folder::list() {
+  const std::lock_guard lock(mutex_);
   std::set<std::string> found;
   if (one_file_) {
     found.insert(paths_.begin(), paths_.end());
@@ -170,13 +182,18 @@ Listing Folder::list() {
       continue;
     }
     const int number = number_of(relative);
-    OpenedBytes opened = open(number);
+    OpenedBytes opened = open_numbered(number);
     if (opened.descriptor.is_open()) listing.files.push_back({number, relative, opened.size});
   }
   return listing;
 }
 
 OpenedBytes Folder::open(long number) const {
+  const std::lock_guard lock(mutex_);
+  return open_numbered(number);
+}
+
+OpenedBytes Folder::open_numbered(long number) const {
   OpenedBytes opened;
   if (number < 0 || number >= static_cast<long>(paths_.size())) return opened;
   Descriptor descriptor = open_beneath(descriptor_.number(), paths_[static_cast<std::size_t>(number)]);
@@ -200,17 +217,13 @@ std::string Folder::problem_of_name(std::string_view name) {
 }
 
 Written Folder::write(const std::string& name, std::string_view bytes, bool replace) {
-  using Outcome = Written::Outcome;
+  const std::lock_guard lock(mutex_);
   if (std::string problem = problem_of_name(name); !problem.empty())
-    return {Outcome::BadName, std::move(problem), 0};
+    return {Written::Outcome::BadName, std::move(problem), 0};
   const std::string temporary = concat(".", name, ".part-", random_secret());
-  constexpr int kFlags = O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC;
-  Descriptor file(openat(descriptor_.number(), temporary.c_str(), kFlags, 0666));
+  Descriptor file(openat(descriptor_.number(), temporary.c_str(), kNewFile, 0666));
   const auto failed = [&] {
-    Written outcome{Outcome::Failed, concat(name, " cannot be written: ", reason()), 0};
-    if (errno == EEXIST)
-      outcome = {Outcome::Exists,
-                 concat("there is a file ", name, " already; choose another name or replace it"), 0};
+    Written outcome = failure_of(name);
     unlinkat(descriptor_.number(), temporary.c_str(), 0);
     return outcome;
   };
@@ -220,7 +233,20 @@ Written Folder::write(const std::string& name, std::string_view bytes, bool repl
       replace ? renameat(descriptor_.number(), temporary.c_str(), descriptor_.number(), name.c_str()) == 0
               : rename_if_free(descriptor_.number(), temporary, name);
   if (!renamed) return failed();
-  return {Outcome::Done, {}, number_of(name)};
+  return {Written::Outcome::Done, {}, number_of(name)};
+}
+
+Written Folder::begin(const std::string& name) {
+  const std::lock_guard lock(mutex_);
+  if (std::string problem = problem_of_name(name); !problem.empty())
+    return {Written::Outcome::BadName, std::move(problem), 0};
+  const Descriptor file(openat(descriptor_.number(), name.c_str(), kNewFile, 0666));
+  if (!file.is_open()) return failure_of(name);
+  return {Written::Outcome::Done, {}, number_of(name)};
+}
+
+void Folder::take_back(const std::string& name) {
+  unlinkat(descriptor_.number(), name.c_str(), 0);
 }
 
 }  // namespace batten::studio

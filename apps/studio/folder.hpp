@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <map>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -60,7 +61,7 @@ struct Written {
 };
 
 /// Files below one folder. Hidden ones, other types than the studio reads and links that lead out are not
-/// seen. A number stands for the same file as long as the server runs.
+/// seen. A number stands for the same file as long as the server runs. For several threads at once.
 class Folder {
  public:
   static constexpr std::size_t kMostFiles = 1000;
@@ -81,17 +82,26 @@ class Folder {
   /// Writes a file into the folder itself: under another name first, so that nobody sees half a file.
   /// @param replace whether a file of this name may be replaced; a link is then replaced, not followed.
   Written write(const std::string& name, std::string_view bytes, bool replace);
+  /// Makes an empty file in the folder itself, for what is written bit by bit; whoever writes it opens
+  /// path().
+  Written begin(const std::string& name);
+  /// Takes a file away that begin() has made.
+  void take_back(const std::string& name);
+  std::string path(const std::string& name) const { return root_ + "/" + name; }
 
   /// What is wrong with the name of a file that is to be written; empty where nothing is.
   static std::string problem_of_name(std::string_view name);
 
  private:
+  /// These two are called with the mutex held.
   int number_of(const std::string& relative);
+  OpenedBytes open_numbered(long number) const;
 
   std::string root_;  // resolved, without a slash at its end
   std::string name_;
   Descriptor descriptor_;  // of the root
   bool one_file_ = false;
+  mutable std::mutex mutex_;            // of what follows
   std::map<std::string, int> numbers_;  // by the resolved path from the root on
   std::vector<std::string> paths_;      // by number
 };

@@ -37,6 +37,8 @@ struct Server::State {
     hub.limits = options.limits;
     hub.answers = &*answers;
     hub.engine = options.engine ? options.engine : make_engine;
+    desk.emplace(folder ? &*folder : nullptr, options.limits.alone);
+    hub.desk = &*desk;
     hub.refused = options.refused;
   }
 
@@ -87,7 +89,8 @@ struct Server::State {
     error_code ignored;
     acceptor.close(ignored);
     pause.cancel();
-    for (const auto& [number, engine] : hub.engines) engine->close();
+    for (const auto& [number, service] : hub.services) service->close();
+    desk->stop();
     if (hub.sockets.empty()) return hub.io.stop();
     const auto sockets = hub.sockets;  // those that end take themselves out
     for (const auto& [number, socket] : sockets)
@@ -102,6 +105,7 @@ struct Server::State {
   unsigned short port = 0;
   std::optional<Gate> gate;
   std::optional<Answers> answers;
+  std::optional<CaptureDesk> desk;  // outlives the services of the hub
   Hub hub;
   tcp::acceptor acceptor{hub.io};
   net::steady_timer pause{hub.io};
@@ -145,7 +149,8 @@ void Server::wait() {
   if (state.thread.joinable()) state.thread.join();
   error_code ignored;
   state.signals.clear(ignored);  // from now on they end the process, should an engine not come to its end
-  state.hub.engines.clear();
+  state.hub.services.clear();
+  state.desk->finish();
 }
 
 void Server::stop() {

@@ -17,6 +17,7 @@ struct ServerLimits {
   std::chrono::milliseconds write{30000};   ///< until a client has taken a frame, or an answer and 1 s a MiB
   std::chrono::milliseconds idle{120000};   ///< a socket that answers no ping
   std::chrono::milliseconds farewell{500};  ///< for sockets to close at the end
+  std::chrono::milliseconds alone{60000};   ///< a capture that no window looks at goes on
   std::size_t sockets = 8;
   std::size_t connections = 64;  ///< besides the sockets
 };
@@ -34,8 +35,8 @@ struct ServerOptions {
   std::function<void(const std::string&)> refused;  ///< told why, on a thread of the server; may be empty
 };
 
-/// The server of the studio, on 127.0.0.1 alone: HTTP for the page and files, a WebSocket for the native
-/// engine. docs/studio-server.md has the messages and the rules of safety.
+/// The server of the studio, on 127.0.0.1 alone: HTTP for the page and files, WebSockets for the native
+/// engine and for captures. docs/studio-server.md has the messages and the rules of safety.
 class Server {
  public:
   static constexpr unsigned short kUsualPort = 8617;

@@ -1,5 +1,6 @@
 #pragma once
 #include "studio/answers.hpp"
+#include "studio/capture_desk.hpp"
 #include "studio/engine_thread.hpp"
 #include "studio/server.hpp"
 
@@ -45,11 +46,12 @@ struct Hub {
   ServerLimits limits;
   Answers* answers = nullptr;
   MakeHandle engine;
+  CaptureDesk* desk = nullptr;
   std::function<void(const std::string&)> refused;
   bool is_stopping = false;
   std::size_t n_connections = 0;
   int n_sockets_ever = 0;
-  std::map<int, std::unique_ptr<EngineThread>> engines;  // until they are at rest: later than their sockets
+  std::map<int, std::unique_ptr<Service>> services;  // until they are at rest: later than their sockets
   std::map<int, std::weak_ptr<Socket>> sockets;
   net::io_context io{1};  // last: what waits in it uses all of the above
 
@@ -74,19 +76,22 @@ class Socket : public std::enable_shared_from_this<Socket> {
   Socket(tcp::socket&& socket, Hub& hub)
       : hub_(hub), number_(hub.n_sockets_ever++), stream_(std::move(socket)), deadline_(hub.io) {}
 
-  void accept(const http::request<http::string_body>& request) {
+  void accept(const http::request<http::string_body>& request, bool is_capture) {
     hub_.sockets[number_] = weak_from_this();
     const std::weak_ptr<Socket> self = weak_from_this();
-    EngineThread::Hooks hooks;
+    Service::Hooks hooks;
     hooks.send = [self, &hub = hub_](std::vector<Frame> frames) {
       net::post(hub.io, [self, frames = std::move(frames)]() mutable {
         if (const auto socket = self.lock()) socket->queue(std::move(frames));
       });
     };
     hooks.ended = [&hub = hub_, number = number_] {
-      net::post(hub.io, [&hub, number] { hub.engines.erase(number); });
+      net::post(hub.io, [&hub, number] { hub.services.erase(number); });
     };
-    hub_.engines[number_] = std::make_unique<EngineThread>(hub_.engine, std::move(hooks));
+    if (is_capture)
+      hub_.services[number_] = hub_.desk->window(std::move(hooks));
+    else
+      hub_.services[number_] = std::make_unique<EngineThread>(hub_.engine, std::move(hooks));
     beast::get_lowest_layer(stream_).expires_never();  // the WebSocket has times of its own
     stream_.set_option(websocket::stream_base::timeout{hub_.limits.head, hub_.limits.idle, true});
     stream_.read_message_max(kMostFrame);
@@ -94,13 +99,14 @@ class Socket : public std::enable_shared_from_this<Socket> {
       if (error || me->has_ended_) return me->end();
       me->is_open_ = true;
       me->read();
+      me->write();  // what has come meanwhile
     });
   }
 
   void queue(std::vector<Frame> frames) {
     for (Frame& frame : frames) {
       if (frame.may_be_dropped && queue_.size() > kQueuedBeforeDropping)
-        engine().sent(frame.size());
+        tell_sent(frame.size());
       else
         queue_.push_back(std::move(frame));
     }
@@ -116,8 +122,14 @@ class Socket : public std::enable_shared_from_this<Socket> {
   }
 
  private:
-  /// There as long as this has not ended.
-  EngineThread& engine() { return *hub_.engines.at(number_); }
+  /// Null where it has come to its end before the socket, when the server stops.
+  Service* service() const {
+    const auto found = hub_.services.find(number_);
+    return found == hub_.services.end() ? nullptr : found->second.get();
+  }
+  void tell_sent(std::size_t n_bytes) const {
+    if (Service* there = service()) there->sent(n_bytes);
+  }
 
   void read() {
     stream_.async_read(buffer_, [me = shared_from_this()](error_code error, std::size_t) {
@@ -137,7 +149,7 @@ class Socket : public std::enable_shared_from_this<Socket> {
     std::vector<Frame> replies;
     for (Incoming& incoming : complete) {
       if (const auto* cancel = std::get_if<Cancel>(&incoming)) {
-        engine().cancel(cancel->target);
+        if (Service* there = service()) there->cancel(cancel->target);
       } else if (const auto* problem = std::get_if<Problem>(&incoming)) {
         hub_.tell(concat("socket ", number_, ": ", problem->sentence));
         replies.push_back(failure_frame(problem->id, "protocol", problem->sentence));
@@ -157,13 +169,15 @@ class Socket : public std::enable_shared_from_this<Socket> {
       if (!file.descriptor.is_open())
         return replies.push_back(failure_frame(id, "error", "there is no file of this number"));
     }
-    if (!engine().ask(std::move(request), std::move(file)))
+    Service* there = service();
+    if (there != nullptr && !there->ask(std::move(request), std::move(file)))
       replies.push_back(
           failure_frame(id, "busy", "too many requests wait; ask again when some are answered"));
   }
 
   void write() {
-    if (is_writing_ || queue_.empty() || has_ended_) return;
+    // Before it is open the answer to the client's first words is being written.
+    if (!is_open_ || is_writing_ || queue_.empty() || has_ended_) return;
     is_writing_ = true;
     const Frame& frame = queue_.front();
     stream_.text(frame.is_text);
@@ -178,7 +192,7 @@ class Socket : public std::enable_shared_from_this<Socket> {
       if (me->has_ended_) return;
       if (error) return me->end();
       me->deadline_.expires_at(net::steady_timer::time_point::max());
-      me->engine().sent(me->queue_.front().size());
+      me->tell_sent(me->queue_.front().size());
       me->queue_.pop_front();
       me->write();
     });
@@ -194,7 +208,7 @@ class Socket : public std::enable_shared_from_this<Socket> {
     if (has_ended_) return;
     has_ended_ = true;
     deadline_.cancel();
-    engine().close();
+    if (Service* there = service()) there->close();
     beast::get_lowest_layer(stream_).close();
     hub_.sockets.erase(number_);
     if (hub_.is_stopping && hub_.sockets.empty()) hub_.io.stop();

@@ -28,7 +28,7 @@ TEST(RecordCapture, OfAReplayGivesTheSameLog) {
   for (const char* device : {"morphorider", "line&fused=1&burst=0.02&ppm=100"}) {
     const auto first = record_capture(options_for(
         std::string("simulator:sphere?speed=max&pace=40&flip=0.2%&seed=9&device=") + device, "first.blog"));
-    const auto replayed = replay_recording(scratch_file("first.blog"), 0);
+    const auto replayed = replay_recording(read_recording(scratch_file("first.blog")), 0);
     ASSERT_TRUE(first.decoded && replayed.decoded);
     const SensorLog &a = first.decoded->log, &b = replayed.decoded->log;
     EXPECT_GT(a.n_readings(), 1000);
@@ -61,7 +61,7 @@ TEST(RecordCapture, RefusesBeforeItRecords) {
   EXPECT_NE(options.problem()->find("wheel_m"), std::string::npos);
   EXPECT_THROW(record_capture(options), InvalidInput);
   EXPECT_THROW(read_recording(scratch_file("never.blog")), FileError);
-  EXPECT_THROW(replay_recording(scratch_file("never.blog"), -1), InvalidInput);
+  EXPECT_THROW(replay_recording({}, -1), InvalidInput);
 }
 
 TEST(RecordCapture, SaysThatTheDiskIsFull) {

@@ -146,17 +146,17 @@ HttpAnswer Studio::ask_as_page(const std::string& method, const std::string& tar
   return ask(method, target, "Cookie: " + cookie() + "\r\nOrigin: " + origin() + "\r\n", body);
 }
 
-std::unique_ptr<Wire> Studio::begin_socket() {
+std::unique_ptr<Wire> Studio::begin_socket(const std::string& path) {
   auto wire = std::make_unique<Wire>(server_->port());
-  wire->send("GET /engine HTTP/1.1\r\nHost: " + host() + "\r\nOrigin: " + origin() +
+  wire->send("GET " + path + " HTTP/1.1\r\nHost: " + host() + "\r\nOrigin: " + origin() +
              "\r\nCookie: " + cookie() +
              "\r\nConnection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n"
              "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n");
   return wire;
 }
 
-std::unique_ptr<Wire> Studio::open_socket(int* status) {
-  auto wire = begin_socket();
+std::unique_ptr<Wire> Studio::open_socket(int* status, const std::string& path) {
+  auto wire = begin_socket(path);
   const HttpAnswer answer = wire->answer();
   if (status != nullptr) *status = answer.status;
   if (answer.status != 101) return nullptr;

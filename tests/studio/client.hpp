@@ -70,9 +70,9 @@ class Studio {
   /// The same with cookie and Origin.
   HttpAnswer ask_as_page(const std::string& method, const std::string& target, const std::string& body = {});
   /// A WebSocket that is asked for; its answer has not been read.
-  std::unique_ptr<Wire> begin_socket();
+  std::unique_ptr<Wire> begin_socket(const std::string& path = "/engine");
   /// A WebSocket that is open; null with `status` where it was refused.
-  std::unique_ptr<Wire> open_socket(int* status = nullptr);
+  std::unique_ptr<Wire> open_socket(int* status = nullptr, const std::string& path = "/engine");
 
  private:
   struct Told {

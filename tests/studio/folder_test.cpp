@@ -132,6 +132,23 @@ TEST_F(Folders, WritingFollowsNoLink) {
   EXPECT_EQ(folder.write("folder.ply", "x", true).outcome, Outcome::Failed);
 }
 
+// For what is written bit by bit: the name is taken before anything is in the file.
+TEST_F(Folders, BeginAFileThatWasNotThere) {
+  fs::create_symlink("../outside/new.blog", root / "work/link.blog");
+  Folder folder(work());
+  const Written made = folder.begin("new.blog");
+  ASSERT_EQ(made.outcome, Outcome::Done) << made.sentence;
+  std::ofstream(folder.path("new.blog")) << "x";
+  EXPECT_EQ(content(folder.open(made.number)), "x");
+  EXPECT_EQ(names(folder.list()), (std::vector<std::string>{"deep/net.json", "hull.ply", "new.blog"}));
+  EXPECT_EQ(folder.begin("new.blog").outcome, Outcome::Exists);
+  EXPECT_EQ(folder.begin("link.blog").outcome, Outcome::Exists);
+  EXPECT_FALSE(fs::exists(root / "outside/new.blog"));
+  EXPECT_EQ(folder.begin("../new.blog").outcome, Outcome::BadName);
+  folder.take_back("new.blog");
+  EXPECT_FALSE(fs::exists(root / "work/new.blog"));
+}
+
 TEST_F(Folders, WriteNoNamesThatMeanMore) {
   Folder folder(work());
   for (const std::string& name :

@@ -335,5 +335,23 @@ TEST(Socket, TheEndOfTheServerIsSaidAndStopsTheWork) {
   studio.server().stop();  // again: nothing happens
 }
 
+// A browser answers the farewell when the engine of its socket is long gone.
+TEST(Socket, ClientsMayAnswerTheFarewell) {
+  studio::ServerOptions options = with_script();
+  options.limits.farewell = 3000ms;
+  Studio studio(options);
+  const auto wire = studio.open_socket();
+  ASSERT_TRUE(wire);
+  std::thread browser([&wire] {
+    EXPECT_EQ(receive_frame(*wire).opcode, 8);
+    std::this_thread::sleep_for(100ms);
+    wire->send(masked(8, "\x03\xe9"));
+  });
+  const auto begin = std::chrono::steady_clock::now();
+  studio.server().stop();
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, 2500ms) << "it need not wait for the whole farewell";
+  browser.join();
+}
+
 }  // namespace
 }  // namespace batten::test

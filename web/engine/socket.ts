@@ -27,6 +27,10 @@ export function arrayOf(frame: ArrayBuffer, { type, count }: Announced): EngineA
 
 export class SocketEngine implements AnyEngine {
   readonly name = 'native engine';
+  /** What the server tells without being asked. */
+  onEvent?: (json: Record<string, unknown>, arrays: Success['arrays']) => void;
+  /** Called where the server closes the socket, or cannot be reached. */
+  onGone?: () => void;
   private socket: WebSocket | null = null;
   private pending = new Map<number, Pending>();
   private next = 1;
@@ -46,6 +50,7 @@ export class SocketEngine implements AnyEngine {
         const gone = new EngineError('the server is gone', 'gone');
         reject(gone);
         this.fail(gone);
+        this.onGone?.();
       };
       this.socket = socket;
     });
@@ -99,6 +104,10 @@ export class SocketEngine implements AnyEngine {
     if (!this.coming || this.coming.left.length > 0) return;
     const { id, json, arrays } = this.coming;
     this.coming = null;
+    if (json.event) {
+      this.onEvent?.(json, arrays);
+      return;
+    }
     const pending = this.pending.get(id);
     this.pending.delete(id);
     if (json.ok === true) pending?.resolve({ ok: true, json, arrays });

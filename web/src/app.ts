@@ -15,12 +15,13 @@ import type { NamedView } from './view/camera';
 import type { Shading } from './view/materials';
 import type { View } from './view/scene';
 
-export type Room = 'reconstruct' | 'sketch' | 'inspect' | 'process';
+export type Room = 'reconstruct' | 'sketch' | 'inspect' | 'process' | 'capture';
 export const ROOMS: readonly (readonly [Room, string])[] = [
   ['reconstruct', 'Reconstruct'],
   ['sketch', 'Sketch'],
   ['inspect', 'Inspect'],
   ['process', 'Process'],
+  ['capture', 'Capture'],
 ];
 
 export interface Look {
@@ -173,6 +174,10 @@ export class App {
 
   async openServerFile(file: ServerFile): Promise<void> {
     if (!this.server) return;
+    if (file.name.endsWith('.blog')) {
+      this.room.value = 'capture'; // which makes scans of recordings
+      return;
+    }
     try {
       await this.openFiles([[file.name.replace(/^.*\//, ''), await this.server.bytes(file)] as const]);
     } catch (error) {

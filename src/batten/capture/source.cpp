@@ -279,17 +279,24 @@ std::unique_ptr<Source> make_source(const SourceSpec& spec, HostClock& clock) {
   }
 }
 
-std::vector<std::pair<std::string, std::string>> list_sources() {
-  std::vector<std::pair<std::string, std::string>> found;
+std::vector<std::string> serial_ports() {
+  std::vector<std::string> found;
   std::error_code none;
   for (const auto& entry : std::filesystem::directory_iterator("/dev", none)) {
     const std::string name = entry.path().filename().string();
     for (const char* prefix : {"ttyUSB", "ttyACM", "rfcomm"})
-      if (name.rfind(prefix, 0) == 0)
-        found.emplace_back("line:" + entry.path().string() + "  or  morphorider:" + entry.path().string(),
-                           "serial port");
+      if (name.rfind(prefix, 0) == 0) found.push_back(entry.path().string());
   }
   std::sort(found.begin(), found.end());
+  return found;
+}
+
+std::vector<std::pair<std::string, std::string>> list_sources() {
+  std::vector<std::pair<std::string, std::string>> found;
+  for (const std::string& port : serial_ports()) {
+    found.emplace_back("line:" + port, "a device of the line protocol at a serial port");
+    found.emplace_back("morphorider:" + port, "a Morphorider at a serial port");
+  }
   found.emplace_back(concat("ws://", kLoopback, ":", kWebSocketPort),
                      "a page or program that connects to this port");
   found.emplace_back("udp:9000", "datagrams of lines to this port");

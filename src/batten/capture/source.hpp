@@ -77,6 +77,9 @@ std::unique_ptr<HostClock> make_clock(const SourceSpec& spec);
 /// docs/capture.md#simulators.
 std::unique_ptr<Source> make_source(const SourceSpec& spec, HostClock& clock);
 
+/// Serial ports that this computer has and a device may be at: /dev/ttyUSB0.
+std::vector<std::string> serial_ports();
+
 /// Sources that this computer has, as they are given on the command line, each with a word on it.
 std::vector<std::pair<std::string, std::string>> list_sources();
 

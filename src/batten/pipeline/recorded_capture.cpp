@@ -83,11 +83,10 @@ RecordedCapture record_capture(const RecordedCaptureOptions& options, const Capt
   return result;
 }
 
-RecordedCapture replay_recording(const std::string& path, double speed, const CaptureHooks& hooks,
+RecordedCapture replay_recording(const Recording& recording, double speed, const CaptureHooks& hooks,
                                  const Progress& progress) {
   if (!(speed >= 0 && speed <= 1000)) throw InvalidInput(concat("speed must lie in [0, 1000], got ", speed));
   RecordedCapture result;
-  Recording recording = read_recording(path);
   {
     const ScopedStage stage(result.times, "replay");
     std::unique_ptr<HostClock> clock = std::make_unique<VirtualClock>();

@@ -42,8 +42,8 @@ RecordedCapture record_capture(const RecordedCaptureOptions& options, const Capt
 
 /// Plays a recording `speed` times as fast as it was made, or as fast as it goes with 0, as if it came from a
 /// device.
-/// @throws InvalidInput where speed is out of range [0, 1000]; FileError as read_recording().
-RecordedCapture replay_recording(const std::string& path, double speed, const CaptureHooks& hooks = {},
+/// @throws InvalidInput where speed is out of range [0, 1000].
+RecordedCapture replay_recording(const Recording& recording, double speed, const CaptureHooks& hooks = {},
                                  const Progress& progress = {});
 
 }  // namespace batten

@@ -13,6 +13,7 @@ const Pins = lazy(() => import('./pins').then((part) => part.Pins));
 const Help = lazy(() => import('./help').then((part) => part.Help));
 const SketchPanel = lazy(() => import('../rooms/sketch').then((room) => room.SketchPanel));
 const InspectPanel = lazy(() => import('../rooms/inspect').then((room) => room.InspectPanel));
+const CapturePanel = lazy(() => import('../rooms/capture').then((room) => room.CapturePanel));
 const ProcessPanel = lazy(() => import('../rooms/process').then((room) => room.ProcessPanel));
 
 const KIND_SIGNS: Record<string, string> = { scan: '∿', network: '#', mesh: '△', model: '✎', calibration: '◎', view: '◳' };
@@ -57,6 +58,7 @@ export function Shell({ app }: { app: App }) {
         {app.room.value === 'sketch' && <SketchPanel app={app} />}
         {app.room.value === 'inspect' && <InspectPanel app={app} />}
         {app.room.value === 'process' && <ProcessPanel app={app} />}
+        {app.room.value === 'capture' && <CapturePanel app={app} />}
       </aside>
       <Status app={app} />
       {app.palette.value && <Palette app={app} />}

@@ -454,7 +454,8 @@ export class View {
     this.camera.resize(width, height);
   }
 
-  private draw(): void {
+  /** Asks for a picture. */
+  draw(): void {
     if (this.asked) return;
     this.asked = true;
     requestAnimationFrame(() => {

@@ -25,6 +25,9 @@ for (const colorScheme of ['light', 'dark'] as const)
     await page.keyboard.press('Control+4');
     await page.getByLabel('Do', { exact: true }).selectOption('deform');
     await check('process');
+    await page.keyboard.press('Control+5');
+    await expect(page.getByText(/batten studio FOLDER/)).toBeVisible();
+    await check('capture');
     await page.keyboard.press('Control+k');
     await check('palette');
     await page.keyboard.press('Escape');

@@ -33,7 +33,7 @@ test('works without storage, service worker, file access and WebGL2, and says wh
   await page.getByRole('button', { name: 'Open the sample scan' }).click();
   await expect.poll(() => triangles(page), { timeout: 60_000 }).toBeGreaterThan(10_000);
   await expect(page.getByText('not kept: save the project')).toBeVisible();
-  for (const room of ['Sketch', 'Inspect', 'Process', 'Reconstruct']) {
+  for (const room of ['Sketch', 'Inspect', 'Process', 'Capture', 'Reconstruct']) {
     await page.getByRole('button', { name: room, exact: true }).click();
     await expect(page.getByRole('complementary')).not.toHaveText('');
   }
