@@ -31,9 +31,10 @@ std::vector<Leaf> leaves_of(const CLI::App& app) {
   return leaves;
 }
 
-/// The options of a command but those without a name, which are its arguments.
+/// The options of a command that its help shows, but those without a name, which are its arguments.
 std::vector<const CLI::Option*> options_of(const CLI::App& command) {
-  return command.get_options([](const CLI::Option* option) { return option->nonpositional(); });
+  return command.get_options(
+      [](const CLI::Option* option) { return option->nonpositional() && !option->get_group().empty(); });
 }
 std::vector<const CLI::Option*> arguments_of(const CLI::App& command) {
   return command.get_options([](const CLI::Option* option) { return option->get_positional(); });
@@ -117,7 +118,8 @@ std::string bash_completion(const CLI::App& app) {
     for (const CLI::Option* argument : arguments_of(*leaf.command))
       if (first.empty()) first = joined(words_of(*argument), " ");
     if (!first.empty())
-      values += concat("    '", leaf.words, " ", leaf.command->get_name(), "') words='", first, "' ;;\n");
+      values += concat("    '", leaf.words, " ", leaf.command->get_name(), "') [[ $word == -* ]] || words='",
+                       first, "' ;;\n");
   }
   return concat(
       "# Completion of batten for bash: source <(batten completion bash)\n"
@@ -228,26 +230,29 @@ std::string fish_completion(const CLI::App& app) {
   return text;
 }
 
-/// Text for troff: hyphens stay hyphens, and no line begins with a control character.
+/// Text for troff: hyphens stay hyphens, no line begins with a control character, and a list without blanks
+/// may be broken behind its commas.
 std::string troff(std::string_view text) {
   std::string result;
-  bool at_start = true;
+  char before = '\n';
   for (const char c : text) {
-    if (at_start && (c == '.' || c == '\'')) result += "\\&";
+    if (before == '\n' && (c == '.' || c == '\'')) result += "\\&";
+    if (before == ',' && c != ' ') result += "\\:";
     if (c == '\\')
       result += "\\e";
     else if (c == '-')
       result += "\\-";
     else
       result += c;
-    at_start = c == '\n';
+    before = c;
   }
   return result;
 }
 
 std::string heading(const std::string& name, const std::string& description) {
-  return concat(".TH ", escaped(name, "\""), " 1 \"\" \"batten " BATTEN_VERSION "\" \"Batten\"\n.SH NAME\n",
-                troff(name), " \\- ", troff(description), "\n");
+  return concat(".TH ", escaped(name, "\""),
+                " 1 \"\" \"batten " BATTEN_VERSION "\" \"Batten\"\n.ad l\n.SH NAME\n", troff(name), " \\- ",
+                troff(description), "\n");
 }
 
 void add_options(const std::vector<const CLI::Option*>& options, std::string& page) {
