@@ -1,6 +1,6 @@
 # Installs the build into a folder of its own, builds examples/reconstruct_scan against the installed package as a
-# user would, and runs it on the sample scan.
-#   cmake -DBUILD=... -DSOURCE=... -P run.cmake
+# user would, with CMake and with pkg-config, and runs both on the sample scan.
+#   cmake -DBUILD=... -DSOURCE=... -DCOMPILER=... -P run.cmake
 foreach(step_folder prefix example)
   file(REMOVE_RECURSE ${BUILD}/package_test/${step_folder})
 endforeach()
@@ -10,15 +10,31 @@ function(run)
     list(JOIN ARGN " " line)
     message(FATAL_ERROR "${line}\n${out}")
   endif()
+  set(out "${out}" PARENT_SCOPE)
 endfunction()
 set(prefix ${BUILD}/package_test/prefix)
 set(example ${BUILD}/package_test/example)
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix})
+# What only our sources include is not asked for: the headers of CGAL and nlohmann_json need not be there.
 run(${CMAKE_COMMAND} -S ${SOURCE}/examples/reconstruct_scan -B ${example} -G Ninja -DCMAKE_BUILD_TYPE=Release
-    -DCMAKE_PREFIX_PATH=${prefix})
+    -DCMAKE_PREFIX_PATH=${prefix} -DCMAKE_DISABLE_FIND_PACKAGE_CGAL=ON -DCMAKE_DISABLE_FIND_PACKAGE_nlohmann_json=ON)
 run(${CMAKE_COMMAND} --build ${example})
 run(${example}/reconstruct_scan ${SOURCE}/data/sample.rawnet ${example}/surface.ply)
 file(SIZE ${example}/surface.ply size)
 if(size LESS 10000)
   message(FATAL_ERROR "the example wrote a surface of ${size} bytes")
 endif()
+
+find_program(PKG_CONFIG pkg-config)
+if(NOT PKG_CONFIG)
+  message(WARNING "pkg-config is not installed: the example was not built with it (tools/setup package)")
+  return()
+endif()
+file(GLOB_RECURSE file ${prefix}/*/batten.pc)
+cmake_path(GET file PARENT_PATH folder)
+set(ENV{PKG_CONFIG_PATH} ${folder})
+run(${PKG_CONFIG} --static --cflags --libs batten)
+separate_arguments(flags UNIX_COMMAND "${out}")
+run(${COMPILER} -std=c++20 -O2 ${SOURCE}/examples/reconstruct_scan/main.cpp -o ${example}/by_pkg_config ${flags})
+run(${example}/by_pkg_config ${SOURCE}/data/sample.rawnet ${example}/by_pkg_config.ply)
+run(${CMAKE_COMMAND} -E compare_files ${example}/surface.ply ${example}/by_pkg_config.ply)
