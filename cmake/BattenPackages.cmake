@@ -32,11 +32,12 @@ execute_process(COMMAND gzip -9nf "${place}/changelog.Debian" "${place}/changelo
 ]])
 
 # batten_package(<component> NAME <package> SECTION <section> DESCRIPTION <text> [DEPENDS <packages>] [RECOMMENDS <packages>]
-#                [CONTROL <scripts>...] [SAME_EVERYWHERE])
-# The libraries that a package's binaries are linked with are found by themselves. SAME_EVERYWHERE: it holds none.
+#                [CONTROL <scripts>...] [LINKED] [SAME_EVERYWHERE])
+# LINKED: it holds a program or module; the packages of the libraries that this is linked with are found by themselves, by a
+# look into every file of the package. SAME_EVERYWHERE: it holds nothing that is for one kind of processor.
 set(components)
 function(batten_package component)
-  cmake_parse_arguments(PACKAGE SAME_EVERYWHERE "NAME;SECTION;DESCRIPTION;DEPENDS;RECOMMENDS" CONTROL ${ARGN})
+  cmake_parse_arguments(PACKAGE "LINKED;SAME_EVERYWHERE" "NAME;SECTION;DESCRIPTION;DEPENDS;RECOMMENDS" CONTROL ${ARGN})
   install(CODE "
     set(place \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_DATADIR}/doc/${PACKAGE_NAME}\")
     set(source \"${PROJECT_SOURCE_DIR}\")
@@ -52,7 +53,8 @@ function(batten_package component)
   set(CPACK_DEBIAN_${upper}_PACKAGE_CONTROL_EXTRA ${PACKAGE_CONTROL} PARENT_SCOPE)
   if(PACKAGE_SAME_EVERYWHERE)
     set(CPACK_DEBIAN_${upper}_PACKAGE_ARCHITECTURE all PARENT_SCOPE)
-  else()
+  endif()
+  if(PACKAGE_LINKED)
     set(CPACK_DEBIAN_${upper}_PACKAGE_SHLIBDEPS ON PARENT_SCOPE)
   endif()
   set(components ${components} ${component} PARENT_SCOPE)
@@ -62,7 +64,7 @@ set(what "Batten turns curves that were traced on an object, with an inertial se
 or a pen or in a drawing program, into a fair surface, and processes meshes.
 ")
 # CHOLMOD is content with any BLAS, and several times slower with the reference.
-batten_package(program NAME batten SECTION graphics RECOMMENDS libopenblas0
+batten_package(program NAME batten SECTION graphics RECOMMENDS libopenblas0 LINKED
   DESCRIPTION "turns curves traced on an object into a fair surface
 ${what}This package holds the program, its manual and the documents.")
 
@@ -83,7 +85,7 @@ and a file for pkg-config.")
 
 if(TARGET batten_python)
   math(EXPR next "${BATTEN_PYTHON_MINOR} + 1")
-  batten_package(python NAME python3-batten SECTION python RECOMMENDS libopenblas0
+  batten_package(python NAME python3-batten SECTION python RECOMMENDS libopenblas0 LINKED
     DEPENDS "python3 (>= 3.${BATTEN_PYTHON_MINOR}), python3 (<< 3.${next}), python3-numpy"
     CONTROL ${PROJECT_SOURCE_DIR}/packaging/python/postinst ${PROJECT_SOURCE_DIR}/packaging/python/prerm
     DESCRIPTION "fair surfaces from curve networks: Python package

@@ -86,11 +86,24 @@ std::string between(const std::string& text, const std::string& begin, const std
   return text.substr(from, text.find(end, from + begin.size()) - from);
 }
 
+/// The options that a page of the manual has for a command: of a group's page the part of this command.
+Names options_in_page(const std::string& page, const std::string& words) {
+  const bool in_group = words.find(' ') != std::string::npos;
+  Names names;
+  for (const std::string& line :
+       found(in_group ? between(page, "\n.SH " + words + "\n", "\n.SH ") : page, "\\n\\.B (\\\\-[^\\n]*)"))
+    for (const std::string& name : found(line, "((?:\\\\-)+[a-z]+(?:\\\\-[a-z]+)*)(?=,| |$)"))
+      names.insert(std::regex_replace(name, std::regex("\\\\-"), "-"));
+  return names;
+}
+
 // The help is what CLI11 prints of the options: the same names, no fewer and no more, stand in the
 // completions and in the manual of every command.
-TEST(Completion, OffersExactlyTheOptionsOfEveryHelp) {
+TEST(ShellHelp, HasExactlyTheOptionsOfEveryHelp) {
   write_file("completion.bash", run_batten("completion bash").out);
-  const std::string zsh = run_batten("completion zsh").out, fish = run_batten("completion fish").out;
+  const std::string zsh = run_batten("completion zsh").out, fish = run_batten("completion fish").out,
+                    manual = run_batten("manual").out;
+  std::map<std::string, std::string> pages;
   const auto commands = commands_in_help();
   EXPECT_GE(commands.size(), 27U);
   for (const auto& [words, options] : commands) {
@@ -110,28 +123,13 @@ TEST(Completion, OffersExactlyTheOptionsOfEveryHelp) {
       for (const std::string& name : found(line, "-l ([a-z-]+)")) in_fish.insert("--" + name);
     }
     EXPECT_EQ(in_fish, options);
-  }
-}
 
-TEST(Manual, HasExactlyTheOptionsOfEveryHelp) {
-  std::map<std::string, std::string> pages;
-  for (const auto& [words, options] : commands_in_help()) {
-    SCOPED_TRACE(words);
-    const std::size_t blank = words.find(' ');
-    std::string& page = pages[words.substr(0, blank)];
-    if (page.empty()) page = run_batten("manual " + words.substr(0, blank)).out;
-    // Of a group's page the part of this command.
-    const std::string part =
-        blank == std::string::npos ? page : between(page, "\n.SH " + words + "\n", "\n.SH ");
-    Names names;
-    for (const std::string& line : found(part, "\\n\\.B (\\\\-[^\\n]*)"))
-      for (const std::string& name : found(line, "((?:\\\\-)+[a-z]+(?:\\\\-[a-z]+)*)(?=,| |$)"))
-        names.insert(std::regex_replace(name, std::regex("\\\\-"), "-"));
-    EXPECT_EQ(names, options);
+    const std::string name = words.substr(0, words.find(' '));
+    std::string& page = pages[name];
+    if (page.empty()) page = run_batten("manual " + name).out;
+    EXPECT_EQ(options_in_page(page, words), options);
+    EXPECT_NE(manual.find(".BR batten\\-" + name + " (1)"), std::string::npos);
   }
-  const std::string page = run_batten("manual").out;
-  for (const auto& [name, text] : pages)
-    EXPECT_NE(page.find(".BR batten\\-" + name + " (1)"), std::string::npos) << name;
 }
 
 // What man itself says of the pages: unknown macros and escapes, lines that cannot be broken.
