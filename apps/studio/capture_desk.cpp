@@ -184,6 +184,8 @@ void CaptureDesk::ask(int window, const Request& request, OpenedBytes file) {
     send(window, frames_of(request.id, {dumped(answer), {}}));
   } catch (const Error& error) {
     send(window, {failure_frame(request.id, "error", error.what())});
+  } catch (const std::exception& error) {  // on the server's thread: it would end for all
+    send(window, {failure_frame(request.id, "fault", concat("a fault of the program: ", error.what()))});
   }
 }
 
