@@ -98,6 +98,9 @@ TEST(PenPosesIo, ReadsBackAndPassesOverWhatWasLost) {
   EXPECT_EQ(read[0].pose.direction, Eigen::Vector3d(0, 0, 1));
   EXPECT_THROW(parse_pen_poses("time_s,x,y,z\n", "t.csv"), FileError);
   EXPECT_THROW(parse_pen_poses("time_s,x,y,z,dx,dy,dz,drawing\n0,1,2,3,0,0,0,0\n", "t.csv"), FileError);
+  const std::string first = "time_s,x,y,z,dx,dy,dz,drawing\n1,1,2,3,0,0,2,1\n";
+  EXPECT_EQ(parse_pen_poses(first + "1,1,2,3,0,0,2,1\n", "t.csv").size(), 2u);
+  EXPECT_THROW(parse_pen_poses(first + "0.9,1,2,3,0,0,2,1\n", "t.csv"), FileError) << "time runs backwards";
 }
 
 }  // namespace

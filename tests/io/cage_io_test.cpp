@@ -3,12 +3,14 @@
 #include "io/bad_files.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "batten/core/error.hpp"
+#include "batten/core/units.hpp"
 #include "batten/io/mesh_io.hpp"
 
 namespace batten {
@@ -107,6 +109,22 @@ TEST(CageIo, WritesPlyAndOffWithoutSplittingFaces) {
   }
   EXPECT_THROW(format_cage(cage, "cage.stl"), FileError);
   EXPECT_THROW(format_cage(cage, "cage.ply", Points(3, 3)), InvalidInput);
+}
+
+// The number of corners of a PLY face is a byte where all fit into one, else more: 255 and 256 corners.
+TEST(CageIo, PlyHoldsFacesOfManyCorners) {
+  for (const int n : {255, 256}) {
+    ControlCage cage;
+    cage.mesh.positions.resize(n, 3);
+    for (int k = 0; k < n; ++k) {
+      cage.mesh.positions.row(k) << std::cos(2 * kPi * k / n), std::sin(2 * kPi * k / n), 0;
+      cage.mesh.corners.push_back(k);
+    }
+    cage.mesh.offsets = {0, n};
+    const ControlCage back = parse_cage(format_cage(cage, "disc.ply"), "disc.ply");
+    EXPECT_EQ(back.mesh.corners, cage.mesh.corners) << n;
+    EXPECT_EQ(back.mesh.offsets, cage.mesh.offsets) << n;
+  }
 }
 
 TEST(CageIo, NamesTheLineOfABadTag) {

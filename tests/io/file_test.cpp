@@ -6,7 +6,9 @@
 #include <fstream>
 #include <sstream>
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
 #include <sys/wait.h>
 #include <unistd.h>
 #include <zlib.h>
@@ -81,6 +83,11 @@ TEST(LineReader, RefusesWhatIsNoText) {
   write_plain(path, std::string("text\n\0more\n", 11));
   EXPECT_THROW(lines_of(LineReader(path)), FileError);
   EXPECT_THROW(lines_of(LineReader(std::string("a\0b", 3), "memory")), FileError);
+  // Behind the first megabytes too.
+  std::string text;
+  for (int k = 0; k < 30000; ++k) text += std::string(99, 'x') + "\n";
+  write_plain(path, text + '\0');
+  EXPECT_THROW(lines_of(LineReader(path)), FileError);
   // 64 MiB without an end of line is no text; the message names the line.
   {
     std::ofstream out(path, std::ios::binary);
@@ -139,6 +146,11 @@ TEST(ReadFile, StopsWhatUnpacksToFarMoreThanItsSize) {
     for (int i = 0; i < 80; ++i) out << block;
   }
   EXPECT_EQ(read_file(plain).size(), 80 * block.size());
+  // A small file may repeat itself as it likes.
+  file = gzopen(path.c_str(), "wb9");
+  gzwrite(file, block.data(), static_cast<unsigned>(block.size()));
+  gzclose(file);
+  EXPECT_EQ(read_file(path), block);
 }
 
 TEST(OutputFile, AppearsWholeOrNotAtAll) {
@@ -183,6 +195,27 @@ TEST(OutputFile, RemovesWhatAKilledProcessHasLeft) {
   EXPECT_FALSE(std::filesystem::exists(gone));
   for (const std::string& name : {path, running, other, beside})
     EXPECT_TRUE(std::filesystem::exists(name)) << name;
+  // A lock says that somebody writes it, who has his numbers from another container.
+  std::ofstream(gone) << "half";
+  const int held = open(gone.c_str(), O_RDONLY);
+  ASSERT_EQ(flock(held, LOCK_EX | LOCK_NB), 0);
+  write_file(path, "again");
+  EXPECT_TRUE(std::filesystem::exists(gone));
+  close(held);
+  write_file(path, "again");
+  EXPECT_FALSE(std::filesystem::exists(gone));
+}
+
+TEST(OutputFile, TellsThatTheDiskIsFull) {
+  const std::string full = "/dev/full";
+  if (!std::filesystem::exists(full)) GTEST_SKIP() << "this system has no " << full;
+  try {
+    write_file(full, "text");
+    ADD_FAILURE() << "accepted";
+  } catch (const FileError& error) {
+    EXPECT_NE(std::string(error.what()).find("cannot be written: No space"), std::string::npos)
+        << error.what();
+  }
 }
 
 TEST(OutputFile, FollowsLinks) {

@@ -67,6 +67,15 @@ TEST(Gltf, WritesWhatTheSpecificationAsksFor) {
   const Json json = Json::parse(bytes.substr(20, number(12)));
   EXPECT_EQ(json["accessors"][0]["min"], (std::vector<double>{0, 0, -2}));
   EXPECT_EQ(json["accessors"][0]["max"], (std::vector<double>{1, 0.5, 0}));
+  // The range is that of the positions wherever they are.
+  TriangleMesh away = tetrahedron();
+  away.positions.array() -= 10;
+  const std::string moved = format_mesh(away, MeshFormat::Gltf);
+  std::uint32_t length = 0;
+  std::memcpy(&length, moved.data() + 12, 4);
+  const Json range = Json::parse(moved.substr(20, length))["accessors"][0];
+  EXPECT_EQ(range["min"], (std::vector<double>{-10, -10, 8}));
+  EXPECT_EQ(range["max"], (std::vector<double>{-9, -9.5, 10}));
   for (const Json& view : json["bufferViews"]) EXPECT_EQ(view["byteOffset"].get<int>() % 4, 0);
   EXPECT_EQ(json["buffers"][0]["byteLength"], number(20 + number(12)));
 }
@@ -135,6 +144,33 @@ TEST(Gltf, StripsAndFansBecomeTriangles) {
   // Two primitives with a corner in common share it.
   file["meshes"][0]["primitives"].push_back(file["meshes"][0]["primitives"][0]);
   EXPECT_EQ(parse_mesh(file.dump(), "a.gltf").n_vertices(), 4);
+}
+
+// Positions and normals in turns, as many programs write them: each accessor begins at its own offset within
+// the view, whose stride leads to the next vertex.
+TEST(Gltf, ReadsInterleavedAttributes) {
+  Json file = triangle_file({{"mesh", 0}});
+  const std::vector<float> corners{0, 0, 0, 0, 1, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 0};
+  file["buffers"][0] = {{"byteLength", 72}, {"uri", "data:;base64," + as_text(corners)}};
+  file["bufferViews"][0] = {{"buffer", 0}, {"byteLength", 72}, {"byteStride", 24}};
+  file["accessors"].push_back(file["accessors"][0]);
+  file["accessors"][1]["byteOffset"] = 12;
+  file["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] = 1;
+  const TriangleMesh mesh = parse_mesh(file.dump(), "a.gltf");
+  EXPECT_EQ(mesh.positions.row(1), turned_up(1, 0, 0));
+  EXPECT_EQ(mesh.positions.row(2), turned_up(0, 0, 1));
+  ASSERT_EQ(mesh.normals.rows(), 3);
+  for (int v = 0; v < 3; ++v) EXPECT_EQ(mesh.normals.row(v), turned_up(0, 1, 0));
+}
+
+// Of several scenes the one that the file names, without a name the first.
+TEST(Gltf, ShowsTheSceneThatTheFileNames) {
+  Json file = triangle_file({{"mesh", 0}});
+  file["nodes"].push_back({{"mesh", 0}, {"translation", {5, 0, 0}}});
+  file["scenes"].push_back({{"nodes", {1}}});
+  EXPECT_EQ(parse_mesh(file.dump(), "a.gltf").positions.row(0), turned_up(0, 0, 0));
+  file["scene"] = 1;
+  EXPECT_EQ(parse_mesh(file.dump(), "a.gltf").positions.row(0), turned_up(5, 0, 0));
 }
 
 TEST(Gltf, BrokenFilesAreRefusedInWords) {
@@ -263,7 +299,20 @@ TEST(ThreeMf, FollowsPathsToOtherModels) {
         "Target='/other/root.model'/></Relationships>"},
        {"other/root.model", root},
        {"3D/Objects/a.model", threemf_model("meter", "", "<item objectid='1'/>")}});
-  EXPECT_EQ(parse_mesh(archive, "a.3mf").positions(2, 1), 0.002);  // millimetres, as the root does not say
+  const TriangleMesh mesh = parse_mesh(archive, "a.3mf");
+  EXPECT_EQ(mesh.positions(2, 1), 0.002);  // millimetres, as the root does not say
+  EXPECT_EQ(mesh.n_triangles(), 1) << "what another model would build is not asked for";
+}
+
+// 3MF Core Specification 1.3, 3.2.
+TEST(ThreeMf, KnowsEveryUnit) {
+  for (const auto& [unit, metres] :
+       {std::pair{"micron", 1e-6}, std::pair{"millimeter", 1e-3}, std::pair{"centimeter", 1e-2},
+        std::pair{"inch", 0.0254}, std::pair{"foot", 0.3048}, std::pair{"meter", 1.0}}) {
+    const std::string model = threemf_model(unit, "", "<item objectid='1'/>");
+    EXPECT_DOUBLE_EQ(parse_mesh(format_archive({{"3D/3dmodel.model", model}}), "a.3mf").positions(1, 0),
+                     metres);
+  }
 }
 
 TEST(ThreeMf, RefusesWhatIsDamaged) {

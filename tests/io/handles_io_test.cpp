@@ -43,6 +43,13 @@ TEST(ReadHandles, SelectsAndMoves) {
   EXPECT_EQ(half.row(2), Eigen::RowVector3d(4.5, 4, 4.5));
 }
 
+// The surface of a sphere and of a box belongs to it.
+TEST(ReadHandles, SelectsUpToTheSurface) {
+  const Handles handles = read(R"({"fixed": {"sphere": [1, 0, 0, 1]}, "handles": [
+    {"select": {"box": [[3, 0, 0], [4, 0, 0]]}, "translate": [0, 0, 1]}]})");
+  EXPECT_EQ(handles.vertices(), (std::vector<int>{0, 1, 2, 3}));
+}
+
 // Every refusal names what is wrong.
 TEST(ReadHandles, RefusesWithThePlace) {
   const auto expect_refused = [](const std::string& text, const std::string& words) {

@@ -1,11 +1,14 @@
 #include "batten/io/log_columns.hpp"
 
 #include <string>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "batten/core/error.hpp"
+#include "batten/core/text.hpp"
 #include "batten/core/units.hpp"
 #include "batten/io/sensor_log_io.hpp"
 
@@ -23,6 +26,24 @@ TEST(LogColumns, DescriptionsReadBackAsTheyAre) {
   EXPECT_DOUBLE_EQ(columns[LogQuantity::Gyroscope]->factor, kPi / 180);
   EXPECT_EQ(columns[LogQuantity::Magnetometer]->names, (std::vector<std::string>{"mx", "my", "mz"}));
   EXPECT_EQ(parse_log_columns("time=t")[LogQuantity::Time]->factor, 1);
+}
+
+// Every unit in the one that readings are kept in. A gauss is 1e-4 T, standard gravity 9.80665 m/s2.
+TEST(LogColumns, UnitsAreWhatTheyAre) {
+  const std::tuple<LogQuantity, const char*, double> kUnits[] = {
+      {LogQuantity::Time, "time=t:s", 1},
+      {LogQuantity::Time, "time=t:ms", 1e-3},
+      {LogQuantity::Time, "time=t:us", 1e-6},
+      {LogQuantity::Time, "time=t:ns", 1e-9},
+      {LogQuantity::Accelerometer, "time=t,acc=x:y:z:mg", 9.80665e-3},
+      {LogQuantity::Magnetometer, "time=t,mag=x:y:z:nT", 1e-3},
+      {LogQuantity::Magnetometer, "time=t,mag=x:y:z:mT", 1e3},
+      {LogQuantity::Magnetometer, "time=t,mag=x:y:z:T", 1e6},
+      {LogQuantity::Magnetometer, "time=t,mag=x:y:z:G", 1e2},
+      {LogQuantity::Magnetometer, "time=t,mag=x:y:z:mG", 0.1},
+      {LogQuantity::Gyroscope, "time=t,gyr=x:y:z:mdeg/s", kPi / 180e3}};
+  for (const auto& [quantity, text, factor] : kUnits)
+    EXPECT_DOUBLE_EQ(parse_log_columns(text)[quantity]->factor, factor) << text;
 }
 
 TEST(LogColumns, WhatIsWrongIsNamed) {
@@ -107,6 +128,15 @@ TEST(GuessedLogColumns, NumbersTellTheirUnits) {
   }
 }
 
+// Few hands turn faster than two turns a second, 4 π rad/s: rates beyond that are degrees.
+TEST(GuessedLogColumns, RatesBeyondTwoTurnsASecondAreDegrees) {
+  for (const auto& [rate, expected] : {std::pair{30.0, radians(30)}, std::pair{12.0, 12.0}}) {
+    std::string text = "t,ax,ay,az,gx,gy,gz\n";
+    for (int i = 0; i < 20; ++i) text += concat(0.01 * i, ",0,0,9.81,", i == 7 ? rate : 0.5, ",0,0\n");
+    EXPECT_NEAR(parse_sensor_log(text, "log", "auto").gyroscope(7, 0), expected, 1e-12) << rate;
+  }
+}
+
 TEST(LogOddities, NameTheUnitThatItLooksLike) {
   const std::string own = "time_s,acc_x_m_s2,acc_y_m_s2,acc_z_m_s2,mag_x_uT,mag_y_uT,mag_z_uT";
   std::vector<std::string> notes;
@@ -117,6 +147,11 @@ TEST(LogOddities, NameTheUnitThatItLooksLike) {
   EXPECT_NE(notes[0].find("acc=X:Y:Z:g"), std::string::npos) << notes[0];
   EXPECT_NE(notes[1].find("time=NAME:ms"), std::string::npos) << notes[1];
   EXPECT_NE(notes[2].find("mag=X:Y:Z:nT"), std::string::npos) << notes[2];
+  // Half as much again as gravity is no unit: the device is not calibrated.
+  notes.clear();
+  parse_sensor_log(log_in(own, 14.7, 0.01, 48), "log", {}, &notes);
+  ASSERT_EQ(notes.size(), 1U);
+  EXPECT_NE(notes[0].find("batten calibrate"), std::string::npos) << notes[0];
 }
 
 TEST(DescribedLogs, KnowSeparatorsAndDecimalCommas) {

@@ -74,7 +74,12 @@ void expect_same_obj(const MeshFile& file) {
 TEST(MeshAttributes, ObjKeepsGroupsMaterialsTextureAndColours) {
   const MeshFile file = parsed(kLabelledObj, "a.obj");
   expect_same_obj(file);
-  expect_same_obj(parsed(format_mesh_file(file, MeshFormat::Obj), "b.obj"));
+  const std::string written = format_mesh_file(file, MeshFormat::Obj);
+  expect_same_obj(parsed(written, "b.obj"));
+  int changes = 0;  // red, blue and red again; what stays is not said again
+  for (std::size_t at = written.find("usemtl"); at != std::string::npos; at = written.find("usemtl", at + 1))
+    ++changes;
+  EXPECT_EQ(changes, 3);
   EXPECT_TRUE(losses_in_format(file.attributes, MeshFormat::Obj).empty());
   EXPECT_EQ(losses_in_format(file.attributes, MeshFormat::Ply).size(), 1u);
   EXPECT_EQ(losses_in_format(file.attributes, MeshFormat::Stl).size(), 2u);
@@ -139,6 +144,13 @@ TEST(MeshAttributes, AreCarriedByPlace) {
   EXPECT_EQ(carried.texture_corners.row(0), file.attributes.texture_corners.row(1));
   EXPECT_EQ(label_of(carried.groups, 0), "left");
   EXPECT_EQ(label_of(carried.groups, 3), "right");
+  // Where no triangle is as before, no texture is left.
+  turned.triangles.row(0) << 0, 1, 2;
+  turned.triangles.row(1) << 0, 2, 3;
+  dropped.clear();
+  EXPECT_EQ(carried_attributes(file, turned, dropped).texture_corners.rows(), 0);
+  ASSERT_EQ(dropped.size(), 1u);
+  EXPECT_NE(dropped[0].find("of 4 of 4"), std::string::npos);
 }
 
 TEST(MeshAttributes, LibrariesAreFoundFromAnotherFolder) {
@@ -152,6 +164,10 @@ TEST(MeshAttributes, LibrariesAreFoundFromAnotherFolder) {
     write_mesh_file(folder + path, file);
     EXPECT_EQ(read_mesh_file(folder + path).attributes.libraries.at(0), library);
   }
+  MeshFile fixed = file;  // a name from the root is the same everywhere
+  fixed.attributes.libraries = {"/paints/paint.mtl"};
+  write_mesh_file(folder + "/out/c.obj", fixed);
+  EXPECT_EQ(read_mesh_file(folder + "/out/c.obj").attributes.libraries.at(0), "/paints/paint.mtl");
 }
 
 }  // namespace

@@ -190,11 +190,16 @@ TEST(MeshIo, OffKnowsItsKeywordsCommentsAndColours) {
       "OFF 3 1 0 # counts on the first line\n0 0 0\n# between\n1 0 0\n\n0 1 0 \n3 0 1 2 255 0 0\n";
   const char* coloured = "COFF\n3 1 3\n0 0 0 1 1 1 1\n1 0 0 1 1 1 1\n0 1 0 1 1 1 1\n3 0 1 2\n";
   const char* normals = "NOFF\n3 1 3\n0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n3 0 1 2\n";
-  for (const char* text : {plain, coloured, normals, "3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"}) {
+  // The normal stands before the colour, whichever letter comes first.
+  const char* both = "CNOFF\n3 1 3\n0 0 0 0 0 1 9 9 9 9\n1 0 0 0 0 1 9 9 9 9\n0 1 0 0 0 1 9 9 9 9\n3 0 1 2\n";
+  for (const char* text : {plain, coloured, normals, both, "3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"}) {
     const TriangleMesh mesh = parse_mesh(text, "a.off");
     EXPECT_EQ(mesh.positions, (Points(3, 3) << 0, 0, 0, 1, 0, 0, 0, 1, 0).finished()) << text;
     EXPECT_EQ(mesh.n_triangles(), 1);
-    EXPECT_EQ(mesh.normals.rows(), text == normals ? 3 : 0);
+    ASSERT_EQ(mesh.normals.rows(), text == normals || text == both ? 3 : 0);
+    if (mesh.normals.rows() > 0) {
+      EXPECT_EQ(mesh.normals.row(2), Eigen::RowVector3d(0, 0, 1));
+    }
   }
 }
 

@@ -1,6 +1,7 @@
 #include "batten/io/network_io.hpp"
 
 #include "io/bad_files.hpp"
+#include "scratch.hpp"
 
 #include <cmath>
 #include <filesystem>
@@ -110,6 +111,8 @@ TEST(NetworkIo, HostileNamesDoNotBreakTheFiles) {
 TEST(NetworkIo, NormalsAreBroughtToUnitLength) {
   const CurveNetwork network = parse_network("2\n0 0 0 0 0 2\n1 0 0 0 3 4\n1\n0\n0 1\n", "a.net");
   EXPECT_EQ(network.normals, (Points(2, 3) << 0, 0, 1, 0, 0.6, 0.8).finished());
+  EXPECT_EQ(parse_network("2\n0 0 0 0 0 1.02\n1 0 0 0 0 0.98\n1\n0\n0 1\n", "a.net").normals,
+            (Points(2, 3) << 0, 0, 1, 0, 0, 1).finished());
 }
 
 // A cross of four arms and a separate triangle, drawn as two-point lines in any order: four arms that end at
@@ -136,6 +139,9 @@ TEST(NetworkIo, CurveTextClosesCurvesThatReturnToTheirFirstPoint) {
   EXPECT_EQ(network.positions.rows(), 5);
   EXPECT_EQ(network.curves[1].vertices, (std::vector<int>{3, 4}));
   EXPECT_EQ(network.curves[1].name, "CURVE 1");
+  // There and back on the same way is no closed curve.
+  const CurveNetwork back = parse_network("CURVE 0\n0 0 0\n1 0 0\n0 0 0\n", "a.txt");
+  EXPECT_EQ(back.curves[0].vertices, (std::vector<int>{0, 1, 2}));
 }
 
 // A cubic Bézier curve is the B-spline with its knots at both ends; its point at 1/2 is (a + 3b + 3c + d)/8.
@@ -240,6 +246,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadFile{"a.lop", "1\n1\n4 0 1 0 1\n", 3, "decrease"},
         BadFile{"a.lop", "2000000000\n", 1, "expected 1 to"},
         BadFile{"a.lop", "1\n1\n4 0 0 1 1\n2 0 0 0 1 0 0\n", 4, "follow each other"},
+        BadFile{"a.lop", "2\n1\n4 0 0 1 1\n2 0 0 0 4 0 0\n1\n4 0 0 1 1\n2 4 0 0 0.01 0 0\n", 4,
+                "begins 0.01 away"},
         BadFile{"a.lop", "1\n1\n4 0 0 0 0\n2 0 0 0 1 0 0\n", 4, "is a point"}));
 
 TEST(NetworkIo, UnwritablePlacesAndFormatsAreRefused) {
@@ -277,6 +285,29 @@ TEST(NetworkIo, ReadsThePublicCurveFiles) {
     EXPECT_EQ(network.curves.size(), known.curves) << known.file;
     EXPECT_EQ(n_closed, known.closed) << known.file;
   }
+}
+
+// Two triangles of the plane, and a walk over both that rests at its second point and comes back to the
+// first.
+TEST(NetworkIo, CurvesOnAMeshCloseAndDoNotRest) {
+  const std::string folder = scratch_file("on_mesh");
+  fs::create_directories(folder + "/inner");
+  write_file(folder + "/plate.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n");
+  const std::string walk =
+      "\"SS\": [{\"FI\": [1, 1, 1, 2, 1], "
+      "\"B\": [[0.5, 0.25, 0.25], [0.25, 0.5, 0.25], [0.25, 0.5, 0.25], [0.25, 0.25, 0.5], [0.5, 0.25, "
+      "0.25]]}]}";
+  write_file(folder + "/plate_curves.json", "{" + walk);
+  const CurveNetwork network = read_network(folder + "/plate_curves.json");
+  ASSERT_EQ(network.curves.size(), 1u);
+  EXPECT_EQ(network.curves[0].vertices, (std::vector<int>{0, 1, 2, 0}));
+  EXPECT_EQ(network.positions, (Points(3, 3) << 0.5, 0.25, 0, 0.75, 0.25, 0, 0.25, 0.75, 0).finished());
+  EXPECT_EQ(network.normals.col(2), Eigen::Vector3d::Ones());
+  // The file may name its mesh, one beside it and no other.
+  write_file(folder + "/walk.json", "{\"shape\": \"plate\", " + walk);
+  EXPECT_EQ(read_network(folder + "/walk.json").positions, network.positions);
+  write_file(folder + "/inner/walk.json", "{\"shape\": \"../plate\", " + walk);
+  EXPECT_THROW(read_network(folder + "/inner/walk.json"), FileError);
 }
 
 // The mesh is a torus whose vertices all lie on it; interpolated points lie inside by at most the sagitta.

@@ -37,6 +37,11 @@ TEST(PenIo, NamesWhatIsWrong) {
   EXPECT_NE(error_of("{").find("batten pen calibrate"), std::string::npos);
   EXPECT_NE(error_of("{}").find("is no pen"), std::string::npos);
   EXPECT_NE(error_of(R"({"format":"batten pen","version":9})").find("newer batten"), std::string::npos);
+  for (const char* version : {"1.5", "-1", "2000000"})
+    EXPECT_NE(error_of(std::string(R"({"format":"batten pen","version":)") + version + "}")
+                  .find("a whole number from 0 to 1000000"),
+              std::string::npos)
+        << version;
   EXPECT_NE(
       error_of(R"({"format":"batten pen","version":1,"tip_offset_m":0.06,"leds_m":[0,1]})").find("4 numbers"),
       std::string::npos);

@@ -136,6 +136,10 @@ TEST(Corners, TakeTheSizeOfTheImagesFromFileOrGuess) {
   const BoardPairs guessed = parse_corners(row, "c.csv", {}, &warnings);
   EXPECT_EQ(guessed.right_width, 1024);
   EXPECT_EQ(guessed.right_height, 768);
+  // 320 x 240 is wide enough and too low.
+  const BoardPairs low = parse_corners("1,left,2,1,300,470\n", "c.csv", {});
+  EXPECT_EQ(low.left_width, 640);
+  EXPECT_EQ(low.left_height, 480);
   ASSERT_EQ(warnings.size(), 1U);
   EXPECT_NE(warnings[0].find("--image-size"), std::string::npos);
   EXPECT_EQ(parse_image_size("640x480").width, 640);
@@ -165,6 +169,7 @@ TEST(Corners, AreRefusedWithTheLine) {
   EXPECT_NE(said("").find("holds no corners"), std::string::npos);
   EXPECT_EQ(said("1,left,0,0,1,1\n1,left,0,0,2,2\n").substr(0, 2), "2:");
   EXPECT_NE(said("1,left,9,0,1,1\n").find("--board"), std::string::npos);
+  EXPECT_NE(said("1,left,0,6,1,1\n").find("--board"), std::string::npos);
   EXPECT_NE(said("1,middle,0,0,1,1\n").find("left or right"), std::string::npos);
   EXPECT_NE(said("1,left,0,0,nan,1\n").find("number of pixels"), std::string::npos);
   EXPECT_NE(said("1,left,0,0,1\n").find("6 fields"), std::string::npos);

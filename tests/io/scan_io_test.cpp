@@ -126,11 +126,42 @@ TEST(Rawnet, UnderstandsUnitNameAndTangentComments) {
   EXPECT_EQ(scan.tangents, TangentConvention::ToNext);
   EXPECT_EQ(scan.curves[0].name, "keel line");
   EXPECT_EQ(parse_rawnet(kLine, "b").tangents, TangentConvention::Auto);
+  // A name is that of one curve.
+  const std::string block(std::string(kLine).substr(2));
+  const Scan two = parse_rawnet("2\n# name: keel line\n" + block + replaced(block, "0 1\n2", "1 2\n2"), "c");
+  EXPECT_EQ(two.curves[0].name, "keel line");
+  EXPECT_EQ(two.curves[1].name, "");
 }
 
 TEST(Rawnet, NormalisesDirections) {
   const Scan scan = parse_rawnet(replaced(kLine, "+2.5 +1 0 0", "+2.5 +3 4 0"), "a");
   EXPECT_EQ(scan.curves[0].tangents.row(1), Eigen::RowVector3d(0.6, 0.8, 0));
+  EXPECT_EQ(parse_rawnet(replaced(kLine, "+2.5 +1 0 0", "+2.5 1.0005 0 0"), "b").curves[0].tangents.row(1),
+            Eigen::RowVector3d(1, 0, 0));
+}
+
+// Who stands still while recording reads the same distance twice.
+TEST(Rawnet, TakesReadingsAtOneDistance) {
+  const Scan scan = parse_rawnet(replaced(replaced(kLine, "2\n+0.0", "3\n+0.0"), "+2.5 +1 0 0  0 0 1\n",
+                                          "2.5 1 0 0 0 0 1\n2.5 1 0 0 0 0 1\n"),
+                                 "a");
+  EXPECT_EQ(scan.curves[0].distances, Eigen::Vector3d(0, 2.5, 2.5));
+}
+
+// What is wrong in a curve that began well is not put down to the one before.
+TEST(Rawnet, BlamesTheCurveBeforeOnlyWhereTheNextDoesNotBegin) {
+  const std::string block(std::string(kLine).substr(2));
+  const auto said = [&](const std::string& second) {
+    try {
+      parse_rawnet("2\n" + block + second, "a");
+    } catch (const FileError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_NE(said("5\n0\n").find("curve 1 was to have 2 readings"), std::string::npos);
+  EXPECT_NE(said("0\n5\n").find("closed flag"), std::string::npos);
+  EXPECT_EQ(said("0\n5\n").find("curve 1 was to have"), std::string::npos) << said("0\n5\n");
 }
 
 // Any scan, written and read, is the same to the last bit; so is a second round of the file.
@@ -193,6 +224,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadChange{"PositionZero", "1 2\n", "0 1\n", 5, "positions count from 1"},
         BadChange{"PositionBeyond", "1 2\n", "1 3\n", 5, "outside 1 … 2"},
         BadChange{"PositionsFall", "1 2\n", "2 1\n", 5, "must increase"},
+        BadChange{"PositionTwice", "1 2\n", "2 2\n", 5, "must increase"},
+        BadChange{"NodeNumberGapOfOne", "0 1\n2", "0 2\n2", 6, "node number 2 is out of range"},
         BadChange{"NodeNumberGap", "0 1\n2", "0 7\n2", 6, "node number 7 is out of range"},
         BadChange{"NodeNumberNegative", "0 1\n2", "0 -1\n2", 6, "found \"-1\""},
         BadChange{"OneReading", "2\n+0.0 +1 0 0  0 0 1\n", "1\n", 7, "needs at least 2"},

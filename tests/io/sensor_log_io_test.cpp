@@ -153,6 +153,10 @@ TEST(CalibrationFile, NamesTheEntryThatIsWrong) {
             std::string::npos);
   EXPECT_NE(complaint(replaced(good, "1.0", "\"one\"")).find("accelerometer."), std::string::npos);
   EXPECT_EQ(complaint(good), "accepted");
+  // One axis ten million times weaker than the others measures nothing, though its inverse exists.
+  device.calibration.magnetometer.matrix(2, 2) = 1e-7;
+  write_calibration(device, path);
+  EXPECT_NE(complaint(read_file(path)).find("magnetometer.matrix is singular"), std::string::npos);
 }
 
 }  // namespace

@@ -30,6 +30,22 @@ TEST(ReadWand, PairsFramesOfOneTime) {
   EXPECT_TRUE(frames[1].right.empty());
 }
 
+// Each frame of the left camera gets that of the right one which is nearest in time, earlier or later, in
+// whatever order the lines are.
+TEST(ReadWand, TakesTheFrameNearestInTime) {
+  const std::vector<WandFrame> frames = parse_wand(kHead + R"({"time": 2.0, "camera": "left", "blobs": []}
+{"time": 2.0006, "camera": "right", "blobs": [[3, 3]]}
+{"time": 1.0, "camera": "left", "blobs": []}
+{"time": 1.0004, "camera": "right", "blobs": [[2, 2]]}
+{"time": 0.9992, "camera": "right", "blobs": [[1, 1]]}
+{"time": 1.9995, "camera": "right", "blobs": [[4, 4]]}
+)",
+                                                   "blobs.jsonl", 0.001);
+  ASSERT_EQ(frames.size(), 2U);
+  EXPECT_EQ(frames[0].right[0], Eigen::Vector2d(2, 2));
+  EXPECT_EQ(frames[1].right[0], Eigen::Vector2d(4, 4));
+}
+
 TEST(ReadWand, RefusesWithTheLine) {
   const auto said = [](const std::string& text) {
     try {
