@@ -84,13 +84,14 @@ TEST(CurveIndex, FindsEndsThatStopShortOfALine) {
     }
 }
 
-// Two lines side by side over a known way: its length is told, to the thinned edges at both ends.
+// Two lines side by side over a known way: its length is told, and at both ends what is within the tolerance
+// of the shorter line's end.
 TEST(CurveIndex, MeasuresHowLongCurvesStayTogether) {
   const CurveNetwork network =
       polylines({line({0, 0, 0}, {1, 0, 0}, 200), line({0.25, 0.002, 0}, {0.75, 0.002, 0}, 90)});
   const std::vector<Contact> contacts = CurveIndex(network, 0.005).contacts();
   ASSERT_EQ(contacts.size(), 1u);
-  EXPECT_NEAR(contacts[0].length, 0.5, 0.03);
+  EXPECT_NEAR(contacts[0].length, 0.5 + 2 * std::sqrt(0.005 * 0.005 - 0.002 * 0.002), 1e-6);
 }
 
 // From the end of a curve the nearest other curve is found however far it is, unless it is beyond reach; what
@@ -134,6 +135,54 @@ TEST(CurveIndex, ClosedCurvesDoNotMeetThemselvesAtTheirSeam) {
   EXPECT_TRUE(index.contacts().empty());
   EXPECT_NEAR(index.length(0), 2 * n * std::sin(kPi / n), 1e-12);
   EXPECT_NEAR(index.arc(0, n / 2), n * std::sin(kPi / n), 1e-12);
+}
+
+// A vertex that two curves share joins them wherever it is among their samples: nothing is left to mend.
+TEST(CurveIndex, KnowsASharedVertexBetweenDenseSamples) {
+  CurveNetwork network =
+      polylines({line({0, 0, 0}, {1, 0, 0}, 200), line({0.5, -0.5, 0}, {0.5, 0.5, 0}, 200)});
+  network.curves[1].vertices[100] = 100;
+  const std::vector<Contact> contacts = CurveIndex(network, 0.03).contacts();
+  EXPECT_FALSE(contacts.empty());
+  for (const Contact& contact : contacts) EXPECT_TRUE(contact.joined) << contact.first.point.transpose();
+}
+
+// The search goes over thinned edges, here 5 mm beside the curve; what it finds is on the curve itself.
+TEST(CurveIndex, FindsThePlaceOnTheCurveAndNotOnTheThinnedOne) {
+  std::vector<Vector3d> half;
+  for (int k = 0; k <= 2000; ++k) half.emplace_back(std::cos(kPi * k / 2000), std::sin(kPi * k / 2000), 0);
+  const Vector3d p(std::cos(0.9), std::sin(0.9), 0), t(-p.y(), p.x(), 0);
+  const Vector3d oblique = 0.5 * t + std::sqrt(0.75) * p, up(0, 0, 0.003);  // at 60 degrees
+  const CurveNetwork network = polylines({half, line(p - 0.5 * oblique + up, p + 0.5 * oblique + up, 1000)});
+  const std::vector<Contact> contacts = CurveIndex(network, 0.2).contacts();
+  ASSERT_EQ(contacts.size(), 1u);
+  EXPECT_LT((contacts[0].first.point - p).norm(), 2e-4);
+  EXPECT_NEAR(contacts[0].distance, 0.003, 1e-5);
+}
+
+// Lines that cross at right angles are within the tolerance of each other for twice that length, whether
+// their edges are longer or shorter than it.
+TEST(CurveIndex, LongEdgesThatCrossAreNearEachOtherOnlyAtTheCrossing) {
+  for (const int n : {1, 7, 200}) {
+    const CurveNetwork network =
+        polylines({line({0, 0, 0}, {1, 0, 0}, n), line({0.5, -0.5, 0}, {0.5, 0.5, 0}, n)});
+    const std::vector<Contact> contacts = CurveIndex(network, 0.01).contacts();
+    ASSERT_EQ(contacts.size(), 1u);
+    EXPECT_NEAR(contacts[0].length, 0.02, 1e-6) << n;
+  }
+}
+
+// Of two places equally far from an end the one on the first curve, however the search comes by.
+TEST(CurveIndex, TakesTheFirstOfTwoPlacesEquallyFar) {
+  for (const double side : {1.0, -1.0}) {
+    const CurveNetwork network =
+        polylines({line({0, 0, 0}, {1, 0, 0}, 4), line({0, side, 0}, {2, side, 0}, 8),
+                   line({0, -side, 0}, {2, -side, 0}, 8)});
+    const auto nearest = CurveIndex(network, 1e-3).nearest_other(0, true, 10);
+    ASSERT_TRUE(nearest.has_value());
+    EXPECT_EQ(nearest->curve, 1);
+    EXPECT_EQ(nearest->point, Vector3d(1, side, 0));
+  }
 }
 
 }  // namespace

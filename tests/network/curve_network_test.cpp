@@ -62,6 +62,16 @@ TEST(NetworkTopology, MakesTaggedVerticesNodes) {
   EXPECT_EQ(network_topology(network).segments.size(), 2u);
 }
 
+// A tag on a vertex that no curve has makes no node and no part of its own.
+TEST(NetworkTopology, PassesOverTagsOfUnusedVertices) {
+  CurveNetwork network = with_vertices(6);
+  network.curves = {{"", false, {0, 1, 2, 3, 4}}};
+  network.tagged_nodes = {5};
+  const NetworkTopology topology = network_topology(network);
+  EXPECT_EQ(topology.nodes, (std::vector<int>{0, 4}));
+  EXPECT_EQ(topology.n_components, 1);
+}
+
 TEST(NetworkTopology, NamesTheCurveWithAWrongIndex) {
   CurveNetwork network = with_vertices(3);
   network.curves = {{"", false, {0, 1}}, {"rim", false, {1, 7}}};

@@ -1,3 +1,5 @@
+#include "batten/network/cycles.hpp"
+
 #include "network/sample_networks.hpp"
 
 #include <algorithm>
@@ -167,6 +169,149 @@ TEST(FindCycles, OrdersCurvesThatTouchByWhereTheyPart) {
   const CycleReport report = find_cycles(network);
   ASSERT_EQ(report.cycles.size(), 2u);
   for (const NetworkCycle& cycle : report.cycles) EXPECT_GT(signed_area(network, cycle.loops[0].vertices), 0);
+}
+
+/// Where curves are straight or follow a formula, in the plane z = 0 with normals up.
+void add_flat(NetworkBuilder& builder, int n, bool boundary,
+              const std::function<Eigen::Vector3d(double)>& p) {
+  builder.curve(n, boundary, p, [](const Eigen::Vector3d&) { return Eigen::Vector3d(0, 0, 1); });
+}
+
+void expect_patches(const CurveNetwork& network, std::size_t n) {
+  const CycleReport report = find_cycles(network);
+  ASSERT_EQ(report.cycles.size(), n);
+  for (const NetworkCycle& cycle : report.cycles) {
+    ASSERT_EQ(cycle.loops.size(), 1u);
+    EXPECT_GT(signed_area(network, cycle.loops[0].vertices), 0);
+  }
+}
+
+// The parabola through the first samples of y = x³ begins downwards: of ±x³ it takes the lower for the upper.
+// With another curve at the node a list of them could begin between those that touch.
+TEST(FindCycles, OrdersCurvesThatTouchWhateverTheirFirstSamplesSay) {
+  for (const bool other : {false, true}) {
+    NetworkBuilder builder;
+    for (const double a : {0.3, 0.0, -0.3})
+      add_flat(builder, 20, !other && a != 0, [a](double t) { return Eigen::Vector3d(t, a * t * t * t, 0); });
+    add_flat(builder, 10, true, [](double t) { return Eigen::Vector3d(1, -0.3 + 0.3 * t, 0); });
+    add_flat(builder, 10, true, [](double t) { return Eigen::Vector3d(1, 0.3 * t, 0); });
+    if (other) {
+      add_flat(builder, 10, false, [](double t) { return Eigen::Vector3d(-t, 0, 0); });
+      for (const double side : {1.0, -1.0})
+        add_flat(builder, 20, true, [side](double t) {
+          return Eigen::Vector3d(1 - 2 * t, side * (0.3 * (1 - t) + 2 * t * (1 - t)), 0);
+        });
+    }
+    expect_patches(builder.build(), other ? 4 : 2);
+  }
+}
+
+// Curves that touch are ordered where they part, and not where one of them has turned behind the other's end.
+TEST(FindCycles, OrdersCurvesThatTouchWhereTheyPartFirst) {
+  NetworkBuilder builder;
+  add_flat(builder, 20, false, [](double t) { return Eigen::Vector3d(t, 0, 0); });
+  add_flat(builder, 20, false, [](double t) {  // 11 degrees to the left of the first, then 14 to its right
+    return Eigen::Vector3d(2 * t, 2.5 * t * t * (0.8 - t), 0);
+  });
+  add_flat(builder, 10, false, [](double t) { return Eigen::Vector3d(1, -t, 0); });
+  add_flat(builder, 10, true, [](double t) { return Eigen::Vector3d(t, -2 * t + t * t, 0); });
+  add_flat(builder, 10, true, [](double t) { return Eigen::Vector3d(1 + t, -1 + 0.5 * t, 0); });
+  add_flat(builder, 20, true,
+           [](double t) { return Eigen::Vector3d(2 - 2 * t, -0.5 * (1 - t) + 4 * t * (1 - t), 0); });
+  expect_patches(builder.build(), 3);
+}
+
+// Two discs side by side see each other's outside across the gap, which is no surface.
+TEST(FindCycles, FillsTwoDiscsSideBySide) {
+  NetworkBuilder builder;
+  for (const double x : {0.0, 3.0})
+    add_flat(builder, 24, true,
+             [x](double t) { return Eigen::Vector3d(x + std::cos(2 * kPi * t), std::sin(2 * kPi * t), 0); });
+  expect_patches(builder.build(), 2);
+}
+
+// The end of a tube looks at the rim of a disc above it, whose surface goes another way: no tube between
+// them.
+TEST(FindCycles, JoinsNoLoopsOfWhichOneLooksAway) {
+  NetworkBuilder builder;
+  add_circle(builder, 24, 1, 0, 0, true);
+  add_circle(builder, 24, 0.9, 1.5, 0.5 * kPi, true);
+  const CycleReport report = find_cycles(builder.build());
+  ASSERT_EQ(report.cycles.size(), 2u);
+  for (const NetworkCycle& cycle : report.cycles) EXPECT_EQ(cycle.loops.size(), 1u);
+}
+
+// A waist between circles whose normals lean towards each other by the angle a has the total curvature
+// 4π sin a, two caps in its place 4π − 4π sin a. The waist has to save π: sin a < 3/8.
+TEST(FindCycles, JoinsTwoLoopsWhereThatClearlySavesCurvature) {
+  for (const double sine : {0.33, 0.42}) {
+    NetworkBuilder builder;
+    add_circle(builder, 48, 1, 0, std::asin(sine), false);
+    add_circle(builder, 48, 1, 1.5, -std::asin(sine), false);
+    std::size_t joined = 0;
+    for (const NetworkCycle& cycle : find_cycles(builder.build()).cycles) joined += cycle.loops.size() == 2;
+    EXPECT_EQ(joined, sine < 0.375 ? 1u : 0u) << sine;
+  }
+}
+
+// The rim of a dome has its patches above it, however few curves divide the dome. What it faces below, over a
+// waist that is narrow or not, is a disc of its own.
+TEST(FindCycles, TheBorderOfADomeBoundsNothingElse) {
+  for (const double lean : {0.0, 0.42})
+    for (const int n_ribs : {1, 2}) {
+      NetworkBuilder builder;
+      add_circle(builder, 48, 1, 0, std::asin(lean), true);
+      const double out = std::sqrt(1 - lean * lean);
+      for (const double begin : {0.0, kPi})
+        builder.curve(
+            24, true,
+            [=](double t) {
+              return Eigen::Vector3d(std::cos(begin + kPi * t), std::sin(begin + kPi * t), 1.5);
+            },
+            [=](const Eigen::Vector3d& x) { return Eigen::Vector3d(out * x.x(), out * x.y(), -lean); });
+      for (int rib = 0; rib < n_ribs; ++rib)
+        builder.curve(
+            24, false,
+            [=](double t) {
+              Eigen::Vector3d p(0, 0, 1.5 + 0.7 * std::sin(kPi * t));
+              p[rib] = std::cos(kPi * t);
+              return p;
+            },
+            [](const Eigen::Vector3d& x) { return Eigen::Vector3d(x.x(), x.y(), 1); });
+      const CycleReport report = find_cycles(builder.build());
+      EXPECT_EQ(report.cycles.size(), 2u * static_cast<std::size_t>(n_ribs) + 1) << lean << " " << n_ribs;
+      for (const NetworkCycle& cycle : report.cycles) EXPECT_EQ(cycle.loops.size(), 1u);
+    }
+}
+
+// A sheet of two patches, and a loop on one of them: the outside of the sheet bounds nothing, that of the
+// loop the patch that it lies on, though both are told as outside.
+TEST(CollectCycles, ALoneLoopDividesThePatchItLiesOn) {
+  NetworkBuilder builder;
+  const auto border = [](double side) {  // half of the square, from (0, side) counter-clockwise to (0, −side)
+    return [side](double t) {
+      const double s = 4 * t;
+      return s < 1   ? Eigen::Vector3d(-side * s, side, 0)
+             : s < 3 ? Eigen::Vector3d(-side, side * (2 - s), 0)
+                     : Eigen::Vector3d(-side * (4 - s), -side, 0);
+    };
+  };
+  add_flat(builder, 16, false, border(1));
+  add_flat(builder, 16, false, border(-1));
+  add_flat(builder, 8, false, [](double t) { return Eigen::Vector3d(0, 2 * t - 1, 0); });
+  add_flat(builder, 16, false, [](double t) {
+    return Eigen::Vector3d(0.5 + 0.2 * std::cos(2 * kPi * t), 0.2 * std::sin(2 * kPi * t), 0);
+  });
+  const CurveNetwork network = builder.build();
+  ASSERT_EQ(network_topology(network).segments.size(), 4u);
+  detail::NodeOrders orders;
+  orders.half_edges = {{3, 0, 5}, {2, 4, 1}, {6, 7}};
+  orders.outside = {0, 1, 0, 1, 0, 0, 0, 1};
+  const CycleReport report = detail::collect_cycles(network, orders);
+  ASSERT_EQ(report.cycles.size(), 3u);
+  std::size_t holes = 0;
+  for (const NetworkCycle& cycle : report.cycles) holes += cycle.loops.size() - 1;
+  EXPECT_EQ(holes, 1u);
 }
 
 TEST(FindCycles, RefusesACurveThatEndsInNothing) {

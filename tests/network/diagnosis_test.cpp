@@ -59,6 +59,9 @@ TEST(DiagnoseNetwork, FindsNothingInASoundNetworkAtAnyScale) {
     const auto findings = diagnose_network(three_great_circles(12, scale));
     EXPECT_TRUE(findings.empty()) << all_sentences(findings);
   }
+  // At 45 degrees a step, normals are square to the chord over a sample though not to the two beside it.
+  const auto coarse = diagnose_network(three_great_circles(2));
+  EXPECT_TRUE(coarse.empty()) << all_sentences(coarse);
   EXPECT_TRUE(diagnose_network(frame()).empty());
   EXPECT_TRUE(diagnose_network(CurveNetwork()).empty());
 }
@@ -98,6 +101,17 @@ TEST(DiagnoseNetwork, FindsCrossingsOnceAndWhere) {
   EXPECT_EQ(crossings[0].other_curve, 2);
   EXPECT_LT((crossings[0].position - Eigen::Vector3d(4, 3, 0)).norm(), 1e-9);
   EXPECT_NEAR(crossings[0].distance, 0.01, 1e-12);
+  EXPECT_EQ(crossings[0].vertex, 40 + 8);  // a step of the first line is 8/22: 8 steps are 2.91, 9 are 3.27
+}
+
+// However coarsely straight lines are sampled: where they cross they do not run along each other.
+TEST(DiagnoseNetwork, LongEdgesThatCrossAreNoOverlap) {
+  CurveNetwork network = frame();
+  add_polyline(network, line({1, 3, 0}, {9, 3, 0}, 2));
+  add_polyline(network, line({4, 1, 0.01}, {4, 9, 0.01}, 2));
+  const auto findings = diagnose_network(network);
+  EXPECT_EQ(of_kind(findings, NetworkDefect::Crossing).size(), 1u) << all_sentences(findings);
+  EXPECT_TRUE(of_kind(findings, NetworkDefect::Overlap).empty()) << all_sentences(findings);
 }
 
 // Sampling far below the tolerance must not change what is found, nor take quadratic time.
@@ -124,7 +138,21 @@ TEST(DiagnoseNetwork, FindsDuplicatesAndOverlaps) {
   EXPECT_EQ(duplicates[0].other_curve, 2);
   const auto overlaps = of_kind(findings, NetworkDefect::Overlap);
   ASSERT_EQ(overlaps.size(), 2u) << all_sentences(findings);
-  EXPECT_NEAR(overlaps[0].distance, 4, 0.5);
+  EXPECT_NEAR(overlaps[0].distance, 4, 0.05);
+}
+
+// A short curve that lies on a long one is all of itself and not all of the other.
+TEST(DiagnoseNetwork, ShortCurveOnALongOneIsNoDuplicateWhicheverComesFirst) {
+  for (const bool short_first : {true, false}) {
+    CurveNetwork network = frame();
+    for (const bool is_short : {short_first, !short_first})
+      add_polyline(network, is_short ? line({4, 5.01, 0}, {6, 5.01, 0}, 20) : line({1, 5, 0}, {9, 5, 0}, 40));
+    const auto findings = diagnose_network(network);
+    EXPECT_TRUE(of_kind(findings, NetworkDefect::DuplicateCurve).empty()) << all_sentences(findings);
+    const auto overlaps = of_kind(findings, NetworkDefect::Overlap);
+    ASSERT_EQ(overlaps.size(), 1u);
+    EXPECT_NEAR(overlaps[0].distance, 2, 0.1);
+  }
 }
 
 TEST(DiagnoseNetwork, FindsACurveThatCrossesItself) {
@@ -171,6 +199,19 @@ TEST(DiagnoseNetwork, FindsABorderThatDoesNotClose) {
   ASSERT_EQ(open.size(), 2u);
   EXPECT_EQ(open[0].vertex, 0);
   EXPECT_EQ(open[1].vertex, 39);
+}
+
+// Three tagged edges at one vertex: whichever two are the border, the third leads nowhere.
+TEST(DiagnoseNetwork, FindsABorderThatBranches) {
+  CurveNetwork network = frame();
+  const int branch = add_polyline(network, line({4, 0, 0}, {4, 10, 0}, 11), true);
+  network.curves[static_cast<size_t>(branch)].vertices.front() = 4;
+  network.curves[static_cast<size_t>(branch)].vertices.back() = 26;
+  const auto open = of_kind(diagnose_network(network), NetworkDefect::OpenBoundary);
+  ASSERT_EQ(open.size(), 2u);
+  EXPECT_EQ(open[0].vertex, 4);
+  EXPECT_EQ(open[1].vertex, 26);
+  EXPECT_NE(open[0].sentence.find("3 tagged edges meet"), std::string::npos) << open[0].sentence;
 }
 
 TEST(DiagnoseNetwork, GivesSeparatePartsTheirDistance) {

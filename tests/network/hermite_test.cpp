@@ -183,6 +183,75 @@ TEST(HermiteNetwork, LeavesCornersSharp) {
   EXPECT_LT(splines.energy, 1e-20);  // two straight lines
 }
 
+// A closed curve may begin at a corner; it stays one.
+TEST(HermiteNetwork, LeavesTheCornerSharpWhereAClosedCurveBegins) {
+  CurveNetwork network;
+  Points square(20, 3);
+  for (int i = 0; i < 20; ++i) {
+    const int k = i % 5;
+    square.row(i) << (i < 5    ? k
+                      : i < 10 ? 5
+                      : i < 15 ? 5 - k
+                               : 0),
+        (i < 5    ? 0
+         : i < 10 ? k
+         : i < 15 ? 5
+                  : 5 - k),
+        0;
+  }
+  add_polyline(network, square);
+  network.curves[0].vertices.push_back(0);
+  const HermiteNetwork splines = hermite_network(network);
+  EXPECT_EQ(splines.segments.size(), 4u);
+  EXPECT_LT(splines.energy, 1e-20);
+}
+
+// Two curves that meet at 40 degrees off straight, more than half the corner angle, are two and stay
+// straight.
+TEST(HermiteNetwork, BendsNoCurvesIntoEachOtherThatMeetAtAnAngle) {
+  CurveNetwork network;
+  add_polyline(network, line({-2, 0, 0}, {0, 0, 0}, 5));
+  add_polyline(network, line({0, 0, 0}, {2 * std::cos(0.7), 2 * std::sin(0.7), 0}, 5));
+  network.curves[1].vertices[0] = 4;
+  EXPECT_LT(hermite_network(network).energy, 1e-20);
+}
+
+// Two half circles whose samples at the joint are 0.1 and then 0.8 radians apart: the directions of both
+// halves there are those of the circle, so that they are taken for one curve.
+TEST(HermiteNetwork, KnowsTheDirectionOfUnevenSamples) {
+  CurveNetwork network;
+  const double angles[] = {0.1, 0.9, 1.6, 2.4, kPi};
+  Points half(6, 3), other(6, 3);
+  half.row(0) << 1, 0, 0;
+  for (int k = 0; k < 5; ++k) half.row(k + 1) << std::cos(angles[k]), std::sin(angles[k]), 0;
+  other = half;
+  other.col(1) *= -1;
+  add_polyline(network, half);
+  add_polyline(network, other);
+  network.curves[1].vertices.front() = 0;
+  network.curves[1].vertices.back() = 5;
+  const HermiteNetwork splines = hermite_network(network);
+  EXPECT_LT((splines.segments[0].tangents.row(0) + splines.segments[1].tangents.row(0)).norm(), 1e-12);
+}
+
+// (C.8) at three curves that end: even turns of one frame, which sum to nothing.
+TEST(HermiteNetwork, TangentsAtEvenAnglesOfThreeEndsSumToZero) {
+  CurveNetwork network;
+  for (const double angle : {0.0, 1.8, 4.0}) {
+    add_polyline(network, line({0, 0, 0}, {2 * std::cos(angle), 2 * std::sin(angle), 0}, 5));
+    network.curves.back().vertices[0] = 0;
+  }
+  network.normals = Points::Zero(network.positions.rows(), 3);
+  network.normals.col(2).setOnes();
+  HermiteOptions options;
+  options.node_tangents = NodeTangents::EvenAngles;
+  const HermiteNetwork splines = hermite_network(network, options);
+  Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
+  for (const HermiteSegment& segment : splines.segments) sum += segment.tangents.row(0);
+  EXPECT_GT(splines.segments[0].tangents.row(0).norm(), 0.5);
+  EXPECT_LT(sum.norm(), 1e-12);
+}
+
 TEST(HermiteNetwork, LeavesOutSamplesAtTheSamePlaceAndNamesSegmentsWithoutLength) {
   CurveNetwork network;
   Points points = line({0, 0, 0}, {1, 0, 0}, 5);

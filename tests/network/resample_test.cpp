@@ -3,7 +3,7 @@
 #include "network/sphere_network.hpp"
 
 #include <cmath>
-#include <filesystem>
+#include <functional>
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
@@ -104,6 +104,73 @@ TEST(Resampled, CommutesWithSimilarity) {
     EXPECT_LT((back - expected.positions).rowwise().norm().maxCoeff(), 1e-9);
     EXPECT_LT((after.normals * turn - expected.normals).rowwise().norm().maxCoeff(), 1e-8);
   }
+}
+
+// On an ellipse of few samples no piece has an even speed: steps are even by length all the same.
+TEST(Resampled, StepsEvenlyWhereThePiecesDoNot) {
+  CurveNetwork network;
+  Points points(14, 3);
+  for (int i = 0; i < 14; ++i) points.row(i) << 2 * std::cos(2 * kPi * i / 14), std::sin(2 * kPi * i / 14), 0;
+  add_polyline(network, points);
+  network.curves[0].vertices.push_back(0);
+  const CurveNetwork after = resampled(network, 0.002);
+  const std::vector<int>& walk = after.curves[0].vertices;
+  ASSERT_GT(walk.size(), 4800u);
+  double least = 1, most = 0;
+  for (size_t k = 1; k < walk.size(); ++k) {
+    const double chord = (after.positions.row(walk[k]) - after.positions.row(walk[k - 1])).norm();
+    least = std::min(least, chord);
+    most = std::max(most, chord);
+  }
+  EXPECT_LT(most / least - 1, 1e-4);
+}
+
+/// A straight line along x with n + 1 samples, and normals at an angle about it.
+CurveNetwork twisted_line(int n, const std::function<double(double)>& angle) {
+  CurveNetwork network;
+  add_polyline(network, line({0, 0, 0}, {1, 0, 0}, n + 1));
+  network.normals.resize(n + 1, 3);
+  for (int k = 0; k <= n; ++k) {
+    const double a = angle(static_cast<double>(k) / n);
+    network.normals.row(k) << 0, std::cos(a), std::sin(a);
+  }
+  return network;
+}
+
+// Normals that turn faster and faster: the error falls faster than the square of the step, at the ends too.
+TEST(Resampled, NormalsFollowATwistUpToTheEnds) {
+  const auto angle = [](double x) { return x * x; };
+  double worst[2] = {0, 0};
+  for (const int k : {0, 1}) {
+    const CurveNetwork after = resampled(twisted_line(8 << k, angle), 0.002);
+    for (Eigen::Index v = 0; v < after.positions.rows(); ++v) {
+      const double a = angle(after.positions(v, 0));
+      worst[k] =
+          std::max(worst[k], (after.normals.row(v) - Eigen::RowVector3d(0, std::cos(a), std::sin(a))).norm());
+    }
+  }
+  EXPECT_GT(std::log2(worst[0] / worst[1]), 2.4) << worst[0] << " " << worst[1];
+}
+
+// Between normals more than a right angle apart there is no telling which way they turn: the nearer counts.
+TEST(Resampled, TakesTheNearerOfNormalsThatContradictEachOther) {
+  const CurveNetwork network = twisted_line(1, [](double x) { return x * 2 * kPi / 3; });
+  const CurveNetwork after = resampled(network, 0.05);
+  ASSERT_EQ(after.positions.rows(), 21);
+  for (Eigen::Index v = 0; v < 21; ++v) {
+    if (std::abs(after.positions(v, 0) - 0.5) < 1e-6) continue;
+    EXPECT_LT((after.normals.row(v) - network.normals.row(after.positions(v, 0) < 0.5 ? 0 : 1)).norm(),
+              1e-12);
+  }
+}
+
+// Normals between the nodes that lean along the curve by 60 degrees are brought back.
+TEST(Resampled, NormalsThatLeanFarAreMadeSquareToTheCurve) {
+  CurveNetwork network = twisted_line(4, [](double) { return 0.0; });
+  for (int k = 1; k < 4; ++k) network.normals.row(k) << std::sqrt(0.75), 0.5, 0;
+  const CurveNetwork after = resampled(network, 0.05);
+  for (Eigen::Index v = 0; v < after.positions.rows(); ++v)
+    EXPECT_LT((after.normals.row(v) - Eigen::RowVector3d(0, 1, 0)).norm(), 1e-12) << v;
 }
 
 TEST(Resampled, TakesALongStepAsTheNodesAlone) {

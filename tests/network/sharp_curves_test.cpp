@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "batten/network/sharp_chain_detail.hpp"
+
 namespace batten {
 namespace {
 
@@ -128,6 +130,83 @@ TEST(SharpCurves, CurvesAreSharpWhereNormalsOnBothSidesSaySo) {
   };
   EXPECT_EQ(found(samples::lens(12, false)), std::vector<int>{0});
   EXPECT_TRUE(found(samples::octahedral_sphere(4)).empty());  // 22° from sample to sample, and smooth
+}
+
+// Two rims and nothing between them: the caps are flat, and the wall goes straight from rim to rim.
+TEST(SharpCurves, AWallWithoutCurvesGoesStraightToTheOtherRim) {
+  samples::NetworkBuilder builder;
+  for (const double z : {0.0, 2.0})
+    builder.curve(
+        48, false, [=](double t) { return Vector3d(std::cos(2 * kPi * t), std::sin(2 * kPi * t), z); },
+        [](const Vector3d& p) { return Vector3d(p.x(), p.y(), p.z() - 1); });
+  CurveNetwork network = builder.build();
+  network.curves[0].sharp = network.curves[1].sharp = true;
+  const SharpSplit split = split_of(network);
+  ASSERT_EQ(split.cycles.size(), 3u);
+  for (const NetworkCycle& cycle : split.cycles)
+    for (const NetworkCycle::Loop& loop : cycle.loops)
+      for (const int v : loop.vertices) {
+        const Vector3d p = split.network.positions.row(v);
+        const Vector3d expected =
+            cycle.loops.size() == 1 ? Vector3d(0, 0, p.z() - 1) : Vector3d(p.x(), p.y(), 0);
+        EXPECT_LT((split.network.normals.row(v).transpose() - expected).norm(), 1e-9) << p.transpose();
+      }
+}
+
+// A line along x with normals that turn about it as a parabola, known at four places of uneven distance: the
+// others are found exactly.
+TEST(SharpChain, AnglesOfAParabolaAreFoundExactly) {
+  const auto normal = [](double x) {
+    const double angle = 0.3 * x + 0.9 * x * x;
+    return Vector3d(0, std::sin(angle), std::cos(angle));
+  };
+  detail::SharpChain chain;
+  const int known[] = {0, 3, 5, 10};
+  for (int k = 0; k <= 10; ++k) {
+    chain.points.emplace_back(0.1 * k, 0, 0);
+    chain.references.emplace_back(0, 0, 1);
+    chain.is_node.push_back(0);
+    chain.normals.emplace_back(Vector3d::Zero());
+  }
+  for (const int k : known) chain.normals[static_cast<std::size_t>(k)] = normal(0.1 * k);
+  detail::interpolate_normals(chain);
+  for (int k = 0; k <= 10; ++k)
+    EXPECT_LT((chain.normals[static_cast<std::size_t>(k)] - normal(0.1 * k)).norm(), 1e-12) << k;
+}
+
+// Samples of a circle at uneven angles: its tangent, at the ends of the chain too.
+TEST(SharpChain, TangentsOfUnevenSamplesAreThoseOfTheCircle) {
+  detail::SharpChain chain;
+  const double angles[] = {-0.1, 0, 0.3};
+  for (const double a : angles) chain.points.emplace_back(std::cos(a), std::sin(a), 0);
+  for (std::size_t k = 0; k < 3; ++k)
+    EXPECT_LT((chain.tangent(k) - Vector3d(-std::sin(angles[k]), std::cos(angles[k]), 0)).norm(), 0.01) << k;
+}
+
+// The last chain of a closed curve goes on in the first where that begins at the curve's first vertex, and
+// both are one part there.
+TEST(SharpChain, ChainsCloseOnlyWhereTheyMeet) {
+  NetworkCurve curve;
+  curve.vertices = {0, 1, 2, 3, 4, 0};
+  const auto chains = [](std::size_t begin) {
+    std::vector<detail::SharpChain> list(2);
+    for (std::size_t k = begin; k <= 2; ++k)
+      list[0].corners.push_back(static_cast<int>(k)), list[0].places.push_back(k);
+    for (std::size_t k = 3; k <= 5; ++k)
+      list[1].corners.push_back(static_cast<int>(k)), list[1].places.push_back(k);
+    return list;
+  };
+  const auto one = [](int) { return 0; };
+  std::vector<detail::SharpChain> list = chains(0);
+  detail::close_chains(curve, list, one);
+  ASSERT_EQ(list.size(), 1u);
+  EXPECT_EQ(list[0].places, (std::vector<std::size_t>{3, 4, 5, 1, 2}));
+  list = chains(1);
+  detail::close_chains(curve, list, one);
+  EXPECT_EQ(list.size(), 2u) << "the first begins behind the seam";
+  list = chains(0);
+  detail::close_chains(curve, list, [](int corner) { return corner; });
+  EXPECT_EQ(list.size(), 2u) << "a sharp curve ends at the seam";
 }
 
 }  // namespace

@@ -36,6 +36,21 @@ double segment_distance(const Vector& p, const Vector& p_end, const Vector& q, c
   return (p + s * u - q - t * v).norm();
 }
 
+/// The fraction of the segment p–p_end, from `inside` towards `end`, up to which it is within `reach` of
+/// another one. There is one such place: the distance to a segment is a convex function along a line.
+double near_until(const Vector& p, const Vector& p_end, double inside, double end, const Vector& q,
+                  const Vector& q_end, double reach) {
+  const auto is_near = [&](double s) {
+    return closest_point_on_segment(p + s * (p_end - p), q, q_end).squared_distance <= reach * reach;
+  };
+  if (is_near(end)) return end;
+  for (int halving = 0; halving < 24; ++halving) {
+    const double middle = 0.5 * (inside + end);
+    (is_near(middle) ? inside : end) = middle;
+  }
+  return inside;
+}
+
 }  // namespace
 
 CurveIndex::CurveIndex(const CurveNetwork& network, double tolerance)
@@ -151,13 +166,22 @@ std::vector<CurveIndex::PairGroup> CurveIndex::grouped(const std::vector<NearPai
   for (size_t p = 0; p < pairs.size(); ++p) {
     PairGroup& group = groups[sets.root(static_cast<int>(p))];
     group.share = group.share || pairs[p].share;
-    if (pairs[p].distance <= tolerance_) group.edges.push_back(pairs[p].e);
+    if (pairs[p].distance <= tolerance_) group.spans.push_back(near_part(pairs[p]));
     if (!pairs[p].share && (group.best < 0 || pairs[p].distance < pairs[at(group.best)].distance))
       group.best = static_cast<int>(p);
   }
   std::vector<PairGroup> list;
   for (auto& [root, group] : groups) list.push_back(std::move(group));
   return list;
+}
+
+/// Of its first piece, what is within the tolerance of its second.
+CurveIndex::Span CurveIndex::near_part(const NearPair& pair) const {
+  const Edge &e = edges_[at(pair.e)], &f = edges_[at(pair.f)];
+  const Vector p = point(e.curve, e.begin), p_end = point(e.curve, e.end), q = point(f.curve, f.begin),
+               q_end = point(f.curve, f.end);
+  return {pair.e, near_until(p, p_end, pair.s, 0, q, q_end, tolerance_),
+          near_until(p, p_end, pair.s, 1, q, q_end, tolerance_)};
 }
 
 Contact CurveIndex::contact_of(PairGroup group, const NearPair& best) const {
@@ -172,11 +196,18 @@ Contact CurveIndex::contact_of(PairGroup group, const NearPair& best) const {
     q = contact.first.point;
   }
   contact.distance = (contact.first.point - contact.second.point).norm();
-  std::sort(group.edges.begin(), group.edges.end());
-  group.edges.erase(std::unique(group.edges.begin(), group.edges.end()), group.edges.end());
-  for (const int k : group.edges)
-    if (edges_[at(k)].curve == e.curve)
-      contact.length += arc(e.curve, edges_[at(k)].end) - arc(e.curve, edges_[at(k)].begin);
+  std::sort(group.spans.begin(), group.spans.end(),
+            [](const Span& x, const Span& y) { return std::tie(x.edge, x.from) < std::tie(y.edge, y.from); });
+  int edge = -1;
+  double counted = 0;  // of this edge: what is near several others counts once
+  for (const Span& span : group.spans) {
+    const Edge& piece = edges_[at(span.edge)];
+    if (piece.curve != e.curve) continue;
+    if (std::exchange(edge, span.edge) != span.edge) counted = 0;
+    const double from = std::max(span.from, counted);
+    counted = std::max(counted, span.to);
+    contact.length += (counted - from) * (arc(e.curve, piece.end) - arc(e.curve, piece.begin));
+  }
   return contact;
 }
 

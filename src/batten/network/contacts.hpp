@@ -61,16 +61,22 @@ class CurveIndex {
     double distance, s, t;  ///< of the closest points, and where they are on each
     bool share;
   };
+  /// A part of a piece, between two fractions of it.
+  struct Span {
+    int edge;
+    double from, to;
+  };
   /// Pairs that continue each other along both curves.
   struct PairGroup {
     int best = -1;  ///< the closest pair without a common vertex
     bool share = false;
-    std::vector<int> edges;  ///< of the first curve, within the tolerance
+    std::vector<Span> spans;  ///< what is within the tolerance, of the first piece of every pair
   };
   Eigen::Vector3d point(int curve, int k) const;
   std::vector<NearPair> near_pairs() const;
   std::array<int, 3> around(int e) const;  ///< the piece, and those before and after it on its curve
   std::vector<PairGroup> grouped(const std::vector<NearPair>& pairs) const;
+  Span near_part(const NearPair& pair) const;
   Contact contact_of(PairGroup group, const NearPair& best) const;
   CurvePlace nearest_on(const Edge& edge, const Eigen::Vector3d& q) const;
   bool neighbours(int e, int f) const;

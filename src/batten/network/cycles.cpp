@@ -265,16 +265,17 @@ class CycleFinder {
       int a, b;
     };
     std::vector<Pair> pairs;
-    for (std::size_t a = 0; a < orbits_.size(); ++a)
+    for (std::size_t a = 0; a < orbits_.size(); ++a) {
+      if (lies_outside(orbits_[a])) continue;
       for (std::size_t b = a + 1; b < orbits_.size(); ++b) {
-        if (lies_outside(orbits_[a]) || lies_outside(orbits_[b])) continue;
-        if (orbits_[a].component == orbits_[b].component ||
+        if (orbits_[a].component == orbits_[b].component || lies_outside(orbits_[b]) ||
             !worth_joining({static_cast<int>(a)}, {static_cast<int>(b)}))
           continue;
         double distance = 0;
         if (facing(orbits_[a], orbits_[b], distance))
           pairs.push_back({distance, static_cast<int>(a), static_cast<int>(b)});
       }
+    }
     std::stable_sort(pairs.begin(), pairs.end(),
                      [](const Pair& a, const Pair& b) { return a.distance < b.distance; });
     for (const Pair& pair : pairs) {
@@ -302,8 +303,10 @@ class CycleFinder {
 
   /// A loop that is a component of its own.
   bool is_lone(const Orbit& orbit) const {
-    return orbits_[orbit_of_half_edge_[twin(orbit.half_edges.front())]].half_edges.size() ==
-           orbit.half_edges.size();
+    const int other = orbit_of_half_edge_[twin(orbit.half_edges.front())];
+    return orbits_[other].half_edges.size() == orbit.half_edges.size() &&
+           std::all_of(orbit.half_edges.begin(), orbit.half_edges.end(),
+                       [&](HalfEdge d) { return orbit_of_half_edge_[twin(d)] == other; });
   }
 
   /// A disc by itself, or one end of a tube.
@@ -312,7 +315,12 @@ class CycleFinder {
   /// The outside of a sheet bounds no patch with anything that is near it. The outside of a lone loop may: a
   /// loop drawn on a patch divides it.
   bool lies_outside(const Orbit& orbit) const {
-    return orders_ != nullptr && orders_->outside[orbit.half_edges.front()] && !is_lone(orbit);
+    if (is_lone(orbit)) return false;
+    if (orders_ != nullptr) return orders_->outside[orbit.half_edges.front()] != 0;
+    // A border whose other side holds curves has its patch there.
+    return orbit.only_boundary &&
+           std::any_of(orbit.half_edges.begin(), orbit.half_edges.end(),
+                       [&](HalfEdge d) { return !orbits_[orbit_of_half_edge_[twin(d)]].only_boundary; });
   }
 
   bool worth_joining(const std::vector<int>& a, const std::vector<int>& b) const {

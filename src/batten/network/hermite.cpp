@@ -129,10 +129,7 @@ Vector end_direction(const HermiteSegment& segment, bool at_last) {
   if (n < 3) return u.normalized();
   const Vector v = point(2) - point(1);
   const double h = u.norm(), k = v.norm();
-  Vector direction = u / h - h / (h + k) * (v / k - u / h);
-  // Where the curve turns sharply the parabola means nothing.
-  if (direction.dot(u) <= 0.5 * direction.norm() * h) direction = u;
-  return direction.normalized();
+  return (u / h - h / (h + k) * (v / k - u / h)).normalized();
 }
 
 Eigen::Index piece_of(const Eigen::VectorXd& knots, double parameter) {
