@@ -141,6 +141,36 @@ TEST(Journal, ContinuesAfterATornLine) {
   EXPECT_EQ(name_of_op(session.edits[1].edit), "undo");
 }
 
+// A text editor may have taken the last end of line away.
+TEST(Journal, ContinuesAfterALineWithoutEnd) {
+  const std::string path = scratch_file("endless.jsonl");
+  std::string text = format_session({UndoEdit{}});
+  text.pop_back();
+  write_file(path, text);
+  Journal(path).write(RedoEdit{});
+  const Session session = read_session(path);
+  ASSERT_EQ(session.edits.size(), 2u);
+  EXPECT_EQ(name_of_op(session.edits[1].edit), "redo");
+}
+
+// The last line is replaced only where this journal has written it: not the header, and not what was there.
+TEST(Journal, ReplacesNothingThatItHasNotWritten) {
+  const std::string path = scratch_file("first.jsonl");
+  Journal(path).write(UndoEdit{}, LogPlace::ReplaceLast);
+  EXPECT_EQ(read_session(path).edits.size(), 1u);
+  Journal(path).write(RedoEdit{}, LogPlace::ReplaceLast);
+  EXPECT_EQ(read_session(path).edits.size(), 2u);
+}
+
+TEST(Journal, IsWrittenByOneAtATime) {
+  const std::string path = scratch_file("locked.jsonl");
+  {
+    const Journal first(path);
+    EXPECT_THROW(Journal{path}, FileError);
+  }
+  EXPECT_NO_THROW(Journal{path});
+}
+
 TEST(Journal, BeginsAnewAfterATornHeaderOnly) {
   const std::string path = scratch_file("torn_header.jsonl");
   write_file(path, "{\"batten_sess");
