@@ -340,12 +340,13 @@ TEST(Socket, ClientsMayAnswerTheFarewell) {
   studio::ServerOptions options = with_script();
   options.limits.farewell = 3000ms;
   Studio studio(options);
-  const auto wire = studio.open_socket();
+  auto wire = studio.open_socket();
   ASSERT_TRUE(wire);
   std::thread browser([&wire] {
     EXPECT_EQ(receive_frame(*wire).opcode, 8);
     std::this_thread::sleep_for(100ms);
     wire->send(masked(8, "\x03\xe9"));
+    wire.reset();
   });
   const auto begin = std::chrono::steady_clock::now();
   studio.server().stop();

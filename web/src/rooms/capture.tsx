@@ -46,6 +46,7 @@ const KINDS: readonly (readonly [string, (source: string) => boolean])[] = [
 
 const FAULTS = [
   ['', 'none'],
+  ['flip=0.05%', 'a wrong bit in 1 % of the packets'],
   ['flip=1%', 'a wrong bit in 1 % of the bytes'],
   ['unplug=5:2', 'unplugged for two seconds'],
   ['burst=0.1', 'delivered in bursts'],
@@ -80,8 +81,8 @@ function Choose({ app, capturing }: { app: App; capturing: Capturing }) {
   };
   const start = async () => {
     await capturing.record({
-      source: asked,
-      name: named,
+      source: asked.trim(),
+      name: named.trim(),
       ...(asksForWheel(asked) && Number(wheel) > 0 ? { wheel_m: Number(wheel) / 1000 } : {}),
       ...(Number(nodes) >= 1 ? { nodes: Math.round(Number(nodes)) } : {}),
       ...(calibration ? { calibration: calibration.text } : {}),
@@ -170,7 +171,7 @@ function Text(props: { label: string; help: string; value: string; onChange: (va
   return (
     <div class="field">
       <label>{props.label}</label>
-      <input type="text" aria-label={props.label} value={props.value} onChange={(event) => props.onChange(event.currentTarget.value.trim())} />
+      <input type="text" aria-label={props.label} value={props.value} onInput={(event) => props.onChange(event.currentTarget.value)} />
       <small class="help">{props.help}</small>
     </div>
   );
