@@ -460,7 +460,7 @@ TEST(CaptureDesk, TenMinutesDoNotGrow) {
   const fs::path folder = empty_folder("desk_growth");
   Desk desk(folder);
   desk.ask(
-      {{"op", "record"}, {"source", "simulator:bumpycube?speed=max&pace=0.5&flip=1%"}, {"name", "x.blog"}});
+      {{"op", "record"}, {"source", "simulator:bumpycube?speed=max&pace=1.7&flip=1%"}, {"name", "x.blog"}});
   Json last;
   for (int k = 0; k < 3000; ++k) {
     desk.take();
