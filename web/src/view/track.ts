@@ -35,6 +35,8 @@ export class Track {
   private readonly ink = new LineMaterial({ color: INK.drawn, linewidth: 2 });
   private readonly nodeInk = new PointsMaterial({ color: INK.first, size: 7, sizeAttenuation: false, depthTest: false });
   private readonly tipInk = new PointsMaterial({ color: INK.accepted, size: 11, sizeAttenuation: false, depthTest: false });
+  /** The ball that the view was fitted to; its radius. */
+  private middle = new Vector3();
   private fitted = 0;
 
   /** What is there up to `first` stays. @param tip where the device is now */
@@ -125,9 +127,11 @@ export class Track {
       high.max(point);
     }
     const radius = this.n > 0 ? low.distanceTo(high) / 2 : 0;
-    if (!(radius > this.fitted)) return;
+    const middle = low.add(high).multiplyScalar(0.5);
+    if (radius === 0 || radius + middle.distanceTo(this.middle) <= this.fitted) return;
     this.fitted = MARGIN * radius;
-    view.camera.fit(view.fromModel(low.add(high).multiplyScalar(0.5).toArray()), this.fitted);
+    this.middle.copy(middle);
+    view.camera.fit(view.fromModel(middle.toArray()), this.fitted);
   }
 }
 
