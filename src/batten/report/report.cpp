@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <iterator>
+#include <utility>
 
 #include "batten/core/text.hpp"
 
@@ -49,8 +51,8 @@ std::string seconds(double value) {
 }
 
 constexpr const char* kStyle = R"css(
-:root{color-scheme:light dark;--paper:#fbfbfa;--card:#fff;--ink:#22262c;--soft:#5d6672;--line:#e1e4e8;--accent:#1c4a86;--bar:#4a78b8;--warn:#8f4a08;--warn-paper:#fdf3e3}
-@media (prefers-color-scheme:dark){:root{--paper:#15181c;--card:#1d2126;--ink:#e6e8eb;--soft:#9aa4b0;--line:#30363d;--accent:#8fb8ea;--bar:#5c8ccb;--warn:#f0b56a;--warn-paper:#2c2416}}
+:root{color-scheme:light dark;--paper:#fbfbfa;--card:#fff;--ink:#22262c;--soft:#5d6672;--line:#e1e4e8;--accent:#1c4a86;--bar:#4a78b8;--warn:#8f4a08;--good:#1d6b35;--bad:#b3261e;--warn-paper:#fdf3e3}
+@media (prefers-color-scheme:dark){:root{--paper:#15181c;--card:#1d2126;--ink:#e6e8eb;--soft:#9aa4b0;--line:#30363d;--accent:#8fb8ea;--bar:#5c8ccb;--warn:#f0b56a;--good:#7fce97;--bad:#f2938c;--warn-paper:#2c2416}}
 *{box-sizing:border-box}
 body{margin:0;background:var(--paper);color:var(--ink);font:15px/1.5 system-ui,-apple-system,"Segoe UI",Roboto,"Helvetica Neue",sans-serif}
 main{max-width:1120px;margin:0 auto;padding:2.2rem 1.4rem 3rem}
@@ -77,6 +79,11 @@ td.unit{color:var(--soft);padding-right:0;width:40%}
 .stages td{white-space:nowrap}
 .stages td.bar{width:70%;padding-right:0}
 .bar span{display:block;height:.95rem;background:var(--bar);border-radius:3px;min-width:2px;margin-top:.25rem;print-color-adjust:exact;-webkit-print-color-adjust:exact}
+.mark{display:inline-block;font-size:.78rem;font-weight:600;border:1px solid var(--line);border-radius:999px;padding:.05rem .6rem;margin-left:.6rem;color:var(--soft);vertical-align:middle}
+.mark.good{color:var(--good);border-color:var(--good)}.mark.bad{color:var(--bad);border-color:var(--bad)}
+.facts{margin:0 0 1rem}.facts td:first-child{width:9rem;color:var(--soft)}
+.plots{display:grid;grid-template-columns:repeat(auto-fit,minmax(400px,1fr));gap:1rem;margin-bottom:1rem}
+svg .line{fill:none;stroke-width:2}.grid h3{margin:0 0 .2rem;font-size:.95rem;font-weight:600}
 .warnings{background:var(--warn-paper);border:1px solid var(--warn);border-radius:8px;padding:.7rem 1rem .7rem 2.1rem;margin:0}
 .warnings li{color:var(--warn);margin:.2rem 0;overflow-wrap:anywhere}
 code,pre{font:13px/1.5 ui-monospace,SFMono-Regular,Menlo,Consolas,monospace}
@@ -92,18 +99,18 @@ footer{margin-top:2.4rem;color:var(--soft);font-size:.85rem}
 @media print{:root{--paper:#fff}body{font-size:11px}main{max-width:none;padding:0}.pictures{grid-template-columns:1fr 1fr}h2{break-after:avoid}}
 )css";
 
-void add_pictures(std::string& page, const Report& report) {
-  if (report.pictures.empty()) return;
-  page += "<section><h2>Pictures</h2><div class=\"pictures\">\n";
-  for (const ReportPicture& picture : report.pictures) {
-    page += picture.wide || report.pictures.size() == 1 ? "<figure class=\"wide\">" : "<figure>";
+void add_pictures(std::string& page, const std::vector<ReportPicture>& pictures) {
+  if (pictures.empty()) return;
+  page += "<div class=\"pictures\">\n";
+  for (const ReportPicture& picture : pictures) {
+    page += picture.wide || pictures.size() == 1 ? "<figure class=\"wide\">" : "<figure>";
     page += concat("<img alt=\"", escaped(picture.title), "\" src=\"data:image/png;base64,",
                    base64(picture.png), "\">");
     page += concat("<figcaption><b>", escaped(picture.title), "</b>");
     if (!picture.caption.empty()) page += concat(" ", escaped(picture.caption));
     page += "</figcaption></figure>\n";
   }
-  page += "</div></section>\n";
+  page += "</div>\n";
 }
 
 void add_tables(std::string& page, const Report& report) {
@@ -121,21 +128,147 @@ void add_tables(std::string& page, const Report& report) {
   page += "</div></section>\n";
 }
 
+void add_rows(std::string& page, const ReportGrid& grid) {
+  if (!grid.note.empty()) page += concat("<p>", escaped(grid.note), "</p>");
+  page += "<table>\n<tr>";
+  for (const std::string& column : grid.columns) page += concat("<th>", escaped(column), "</th>");
+  page += "</tr>\n";
+  for (const std::vector<std::string>& row : grid.rows) {
+    page += "<tr>";
+    for (std::size_t i = 0; i < grid.columns.size(); ++i)
+      page += concat("<td>", i < row.size() ? escaped(row[i]) : std::string(), "</td>");
+    page += "</tr>\n";
+  }
+  page += "</table></div>";
+}
+
 void add_grids(std::string& page, const Report& report) {
   for (const ReportGrid& grid : report.grids) {
     page += concat("<section><h2>", escaped(grid.title), "</h2><div class=\"card grid\">");
-    if (!grid.note.empty()) page += concat("<p>", escaped(grid.note), "</p>");
-    page += "<table>\n<tr>";
-    for (const std::string& column : grid.columns) page += concat("<th>", escaped(column), "</th>");
-    page += "</tr>\n";
-    for (const std::vector<std::string>& row : grid.rows) {
-      page += "<tr>";
-      for (std::size_t i = 0; i < grid.columns.size(); ++i)
-        page += concat("<td>", i < row.size() ? escaped(row[i]) : std::string(), "</td>");
-      page += "</tr>\n";
-    }
-    page += "</table></div></section>\n";
+    add_rows(page, grid);
+    page += "</section>\n";
   }
+}
+
+/// A logarithmic axis over a range, from `begin` to `end` in the picture, with a mark at 1, 2 and 5 of every
+/// decade, or at the decades alone where there are many.
+class LogAxis {
+ public:
+  LogAxis(double low, double high, double begin, double end)
+      : low_(std::log10(low)), high_(std::log10(high)), begin_(begin), end_(end) {
+    if (high_ - low_ < 0.1) {
+      low_ -= 0.1;
+      high_ += 0.1;
+    }
+  }
+  double operator()(double value) const {
+    return begin_ + (end_ - begin_) * (std::log10(value) - low_) / (high_ - low_);
+  }
+  std::vector<double> marks() const {
+    std::vector<double> found;
+    for (int decade = static_cast<int>(std::floor(low_)); decade <= high_; ++decade)
+      for (const double digit : {1.0, 2.0, 5.0}) {
+        if (digit > 1 && high_ - low_ > 2.5) continue;
+        const double place = decade + std::log10(digit);
+        if (place >= low_ - 1e-9 && place <= high_ + 1e-9) found.push_back(digit * std::pow(10.0, decade));
+      }
+    return found;
+  }
+
+ private:
+  double low_, high_, begin_, end_;
+};
+
+void add_plot(std::string& page, const ReportPlot& plot) {
+  // Colours that are told apart on light and dark paper, and by those who see fewer of them.
+  constexpr const char* kColours[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"};
+  constexpr double kWidth = 520, kHeight = 330, kLeft = 62, kRight = 12, kTop = 12, kBase = 285;
+  const auto is_shown = [](const std::pair<double, double>& point) {
+    return std::isfinite(point.first) && std::isfinite(point.second) && point.first > 0 && point.second > 0;
+  };
+  double x_low = 0, x_high = 0, y_low = 0, y_high = 0;
+  const auto include = [](double value, double& low, double& high) {
+    low = low > 0 ? std::min(low, value) : value;
+    high = std::max(high, value);
+  };
+  for (const ReportLine& line : plot.lines)
+    for (const auto& point : line.points)
+      if (is_shown(point)) {
+        include(point.first, x_low, x_high);
+        include(point.second, y_low, y_high);
+      }
+  if (!(x_low > 0)) return;
+  if (plot.level && plot.level->first > 0) include(plot.level->first, y_low, y_high);
+  const LogAxis x(x_low, x_high, kLeft + 8, kWidth - kRight - 8), y(y_low / 1.1, y_high * 1.1, kBase, kTop);
+
+  page += concat("<div class=\"card\"><h3>", escaped(plot.title), "</h3><svg viewBox=\"0 0 ", kWidth, " ",
+                 kHeight + 18 * static_cast<double>(plot.lines.size()), "\" role=\"img\" aria-label=\"",
+                 escaped(plot.title), "\">\n");
+  for (const double mark : y.marks())
+    page += concat("<line class=\"axis\" x1=\"", kLeft, "\" x2=\"", kWidth - kRight, "\" y1=\"", y(mark),
+                   "\" y2=\"", y(mark), "\"/><text x=\"", kLeft - 6, "\" y=\"", y(mark) + 4,
+                   "\" text-anchor=\"end\">", number(mark), "</text>\n");
+  for (const double mark : x.marks())
+    page += concat("<line class=\"axis\" x1=\"", x(mark), "\" x2=\"", x(mark), "\" y1=\"", kTop, "\" y2=\"",
+                   kBase, "\"/><text x=\"", x(mark), "\" y=\"", kBase + 17, "\" text-anchor=\"middle\">",
+                   number(mark), "</text>\n");
+  if (plot.level && plot.level->first > 0)
+    page += concat("<line class=\"mark\" x1=\"", kLeft, "\" x2=\"", kWidth - kRight, "\" y1=\"",
+                   y(plot.level->first), "\" y2=\"", y(plot.level->first), "\"/><text x=\"", kLeft + 6,
+                   "\" y=\"", y(plot.level->first) - 5, "\">", escaped(plot.level->second), "</text>\n");
+  page += concat("<text x=\"", (kLeft + kWidth) / 2, "\" y=\"", kBase + 36, "\" text-anchor=\"middle\">",
+                 escaped(plot.x), "</text><text transform=\"translate(13 ", (kTop + kBase) / 2,
+                 ") rotate(-90)\" text-anchor=\"middle\">", escaped(plot.y), "</text>\n");
+  std::size_t l = 0;
+  for (const ReportLine& line : plot.lines) {
+    const char* colour = kColours[l % std::size(kColours)];
+    std::string path;
+    for (const auto& point : line.points) {
+      if (!is_shown(point)) continue;
+      path += concat(path.empty() ? "M" : "L", x(point.first), " ", y(point.second), " ");
+      page +=
+          concat("<circle cx=\"", x(point.first), "\" cy=\"", y(point.second), "\" r=\"3\" fill=\"", colour,
+                 "\"><title>", number(point.first), ": ", number(point.second), "</title></circle>\n");
+    }
+    const double legend = kHeight + 8 + 18 * static_cast<double>(l);
+    page += concat("<path class=\"line\" stroke=\"", colour, "\" d=\"", path,
+                   "\"/><path class=\"line\" stroke=\"", colour, "\" d=\"M", kLeft, " ", legend,
+                   "h24\"/><text x=\"", kLeft + 32, "\" y=\"", legend + 4, "\">", escaped(line.name),
+                   "</text>\n");
+    ++l;
+  }
+  page += "</svg></div>\n";
+}
+
+void add_section(std::string& page, const ReportSection& section) {
+  page += concat("<section><h2>", escaped(section.title));
+  if (!section.mark.empty()) {
+    const char* tone = section.tone == ReportTone::Good  ? " good"
+                       : section.tone == ReportTone::Bad ? " bad"
+                                                         : "";
+    page += concat("<span class=\"mark", tone, "\">", escaped(section.mark), "</span>");
+  }
+  page += "</h2>\n";
+  if (!section.figures.empty()) {
+    page += "<div class=\"card facts\"><table>\n";
+    for (const ReportFigure& figure : section.figures)
+      page += concat("<tr><td>", escaped(figure.name), "</td><td>", escaped(figure.value),
+                     figure.unit.empty() ? "" : " ", escaped(figure.unit), "</td></tr>\n");
+    page += "</table></div>\n";
+  }
+  for (const ReportGrid& grid : section.grids) {
+    page += "<div class=\"card grid\">";
+    if (!grid.title.empty()) page += concat("<h3>", escaped(grid.title), "</h3>");
+    add_rows(page, grid);
+    page += "\n";
+  }
+  if (!section.plots.empty()) {
+    page += "<div class=\"plots\">\n";
+    for (const ReportPlot& plot : section.plots) add_plot(page, plot);
+    page += "</div>\n";
+  }
+  add_pictures(page, section.pictures);
+  page += "</section>\n";
 }
 
 void add_errors(std::string& page, const ReportErrors& errors) {
@@ -246,8 +379,13 @@ std::string html(const Report& report) {
     page += "</ul></section>\n";
   }
   add_grids(page, report);
-  add_pictures(page, report);
+  if (!report.pictures.empty()) {
+    page += "<section><h2>Pictures</h2>";
+    add_pictures(page, report.pictures);
+    page += "</section>\n";
+  }
   add_tables(page, report);
+  for (const ReportSection& section : report.sections) add_section(page, section);
   if (report.errors) add_errors(page, *report.errors);
   add_times(page, report.times);
   add_options(page, report.options);

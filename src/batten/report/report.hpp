@@ -1,6 +1,7 @@
 #pragma once
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -35,6 +36,35 @@ struct ReportGrid {
   std::vector<std::vector<std::string>> rows;  ///< one entry per column; missing ones stay empty
 };
 
+/// A line of a plot with its marks. Points with a coordinate that is not a positive number are left out.
+struct ReportLine {
+  std::string name;
+  std::vector<std::pair<double, double>> points;
+};
+
+/// Lines over two logarithmic axes: how an error falls with a step.
+struct ReportPlot {
+  std::string title;
+  std::string x, y;               ///< what the axes are, with their units
+  std::vector<ReportLine> lines;  ///< told apart by colour and name
+  /// A value of y that is drawn across, with its name: what somebody else has reached.
+  std::optional<std::pair<double, std::string>> level;
+};
+
+/// How a section ended, for the colour of its mark.
+enum class ReportTone { Neutral, Good, Bad };
+
+/// A part of a report with a heading of its own.
+struct ReportSection {
+  std::string title;
+  std::string mark;  ///< a word beside the title: "pass"; may be empty
+  ReportTone tone = ReportTone::Neutral;
+  std::vector<ReportFigure> figures;  ///< name and value one below the other; the unit follows the value
+  std::vector<ReportGrid> grids;
+  std::vector<ReportPlot> plots;
+  std::vector<ReportPicture> pictures;
+};
+
 /// An option of the run.
 struct ReportOption {
   std::string name, value;
@@ -56,6 +86,7 @@ struct Report {
   std::vector<ReportPicture> pictures;
   std::vector<ReportGrid> grids;
   std::vector<ReportTable> tables;
+  std::vector<ReportSection> sections;
   std::optional<ReportErrors> errors;
   std::vector<std::string> warnings;  ///< in words
   StageTimes times;
