@@ -1,9 +1,9 @@
 #include "sketch_comparison.hpp"
 
 #include "example_models.hpp"
+#include "thesis_row.hpp"
 
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
 
 #include "batten/core/error.hpp"
@@ -17,12 +17,6 @@
 namespace batten::experiments {
 
 namespace {
-
-std::string number(double value, const char* format) {
-  char text[48];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
-}
 
 /// The first model of a session as it is at the end; refused edits are told.
 ExampleModel play(const std::filesystem::path& path, std::vector<std::string>& warnings) {
@@ -57,9 +51,9 @@ std::vector<std::pair<std::string, std::filesystem::path>> models_of(const std::
   return models;
 }
 
-class Comparison {
+class ModelComparison {
  public:
-  Comparison(const SketchComparisonOptions& options, const Progress& progress)
+  ModelComparison(const SketchComparisonOptions& options, const Progress& progress)
       : options_(options), progress_(progress) {
     ReportGrid& grid = result.grid;
     grid.title = "Surfaces of sketched models";
@@ -200,7 +194,7 @@ SketchComparison compare_sketch_surfaces(const std::string& folder, const Sketch
       throw InvalidInput(
           concat("there is no network and no session called ", name,
                  folder.empty() ? "; name the folder of the session by --data" : concat(" in ", folder)));
-  Comparison comparison(options, progress);
+  ModelComparison comparison(options, progress);
   for (const auto& [name, path] : models) {
     if (!options.models.empty() &&
         std::find(options.models.begin(), options.models.end(), name) == options.models.end())

@@ -1,10 +1,13 @@
 #include "command.hpp"
 #include "experiments/sketch_comparison.hpp"
 #include "experiments/thesis_h.hpp"
+#include "experiments/thesis_page.hpp"
+#include "experiments/thesis_s.hpp"
 #include "model_surface_arguments.hpp"
 
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <memory>
 #include <string>
 
@@ -19,14 +22,17 @@ namespace {
 
 using experiments::SketchComparison;
 using experiments::SketchComparisonOptions;
-using experiments::ThesisTables;
+using experiments::ThesisOptions;
+using experiments::ThesisResult;
+using experiments::ThesisRow;
 
 constexpr const char* kDefaultData = "../shared/data";
 constexpr const char* kDefaultSessions = "examples/sessions";
 
 struct ReportArguments {
-  std::string experiment, output, data;
-  std::vector<std::string> tables;
+  std::string experiment, output, data, sessions;
+  ThesisOptions thesis;
+  bool no_verdict = false;
   std::vector<std::string> methods = choice_words<ModelSurfaceMethod>();
   SketchComparisonOptions sketch;
 };
@@ -84,16 +90,17 @@ void print(const ReportGrid& grid, std::vector<std::string>& lines) {
   lines.emplace_back();
 }
 
-/// The folder of --data, or the usual one where that is there; else empty, with a warning.
+/// The folder that an option names, or the usual one where that is there; else empty, with a warning.
 /// @param content what lies in it.
-std::string data_folder(const ReportArguments& arguments, const char* usual, const char* content,
+std::string data_folder(const std::string& given, const char* option, const char* usual, const char* content,
                         Outcome& outcome) {
-  std::string folder = arguments.data.empty() ? usual : arguments.data;
+  std::string folder = given.empty() ? usual : given;
   if (std::filesystem::is_directory(folder)) return folder;
-  if (!arguments.data.empty())
-    throw FileError(folder, 0, concat("there is no such folder; --data names the one with the ", content));
+  if (!given.empty())
+    throw FileError(folder, 0,
+                    concat("there is no such folder; ", option, " names the one with the ", content));
   outcome.warnings.push_back(
-      concat("there is no folder ", folder, "; name the one with the ", content, " by --data"));
+      concat("there is no folder ", folder, "; name the one with the ", content, " by ", option));
   return {};
 }
 
@@ -105,7 +112,7 @@ std::string joined(const std::vector<std::string>& words) {
 
 Outcome run_sketch_report(const ReportArguments& arguments, Context& context) {
   Outcome outcome;
-  const std::string folder = data_folder(arguments, kDefaultSessions, "sessions", outcome);
+  const std::string folder = data_folder(arguments.data, "--data", kDefaultSessions, "sessions", outcome);
   SketchComparisonOptions options = arguments.sketch;
   options.pictures = !arguments.output.empty();
   for (const std::string& method : arguments.methods)
@@ -138,59 +145,74 @@ Outcome run_sketch_report(const ReportArguments& arguments, Context& context) {
   return outcome;
 }
 
-std::string missing_sentence(const ThesisTables& found) {
-  std::string missing;
-  for (const std::string& mesh : found.missing) missing += (missing.empty() ? "" : ", ") + mesh;
-  return missing.empty() ? missing : "meshes of the thesis that are not at hand: " + missing;
-}
+struct ThesisPage {
+  const char* experiment;
+  const char* title;
+  std::vector<experiments::ThesisExperiment> (*experiments)();
+};
+constexpr ThesisPage kTheses[] = {
+    {"thesis-s", "Stanko's thesis, repeated", experiments::thesis_s},
+    {"thesis-h", "Huska's thesis, chapter 2, repeated", experiments::thesis_h},
+    {"thesis-h-fires", "Huska's thesis, chapter 7, repeated", experiments::thesis_h_fires}};
 
-/// The page with the tables there are, whole after every one of them.
-void write_thesis_page(const ReportArguments& arguments, const std::string& folder, const ThesisTables& found,
-                       std::vector<std::string> warnings) {
+/// The page with the rows there are, whole after every one of them.
+void write_thesis_page(const ReportArguments& arguments, const ThesisPage& thesis,
+                       const std::vector<std::string>& warnings, const ThesisResult& found) {
   Report report;
-  report.title = "Huska's thesis, chapter 2, repeated";
-  report.subject = folder;
+  report.title = thesis.title;
+  report.subject = arguments.thesis.data;
   report.version = BATTEN_VERSION;
   report.command_line = concat("batten report ", arguments.experiment, " -o ", arguments.output,
-                               arguments.data.empty() ? "" : " --data " + arguments.data);
-  if (arguments.tables.size() < experiments::thesis_h_tables().size())
-    report.command_line += " --tables " + joined(arguments.tables);
-  report.grids = found.grids;
-  report.pictures = found.pictures;
-  report.warnings = std::move(warnings);
-  report.warnings.insert(report.warnings.end(), found.warnings.begin(), found.warnings.end());
-  if (const std::string missing = missing_sentence(found); !missing.empty())
-    report.warnings.insert(report.warnings.begin(), missing);
-  const std::vector<std::string>& all = experiments::thesis_h_tables();
-  const auto wanted = std::count_if(all.begin(), all.end(), [&](const std::string& table) {
-    return std::find(arguments.tables.begin(), arguments.tables.end(), table) != arguments.tables.end();
-  });
-  const auto left = wanted - static_cast<std::ptrdiff_t>(found.grids.size());
-  if (left > 0)
-    report.warnings.insert(report.warnings.begin(), concat("not finished: tables to come: ", left));
-  report.times = found.times;
+                               arguments.data.empty() ? "" : " --data " + arguments.data,
+                               arguments.sessions.empty() ? "" : " --sessions " + arguments.sessions,
+                               arguments.thesis.quick ? " --quick" : "");
+  if (!arguments.thesis.rows.empty())
+    report.command_line += concat(" --rows '", joined(arguments.thesis.rows), "'");
+  report.warnings = warnings;
+  add_rows(found, report);
   write_file(arguments.output, html(report));
 }
 
-Outcome run_thesis_report(const ReportArguments& arguments, Context& context) {
+/// "S 3.19, S 3.20".
+std::string missed_ids(const std::vector<ThesisRow>& rows) {
+  std::string list;
+  for (const ThesisRow& row : rows)
+    if (row.is_missed()) list += (list.empty() ? "" : ", ") + row.id;
+  return list;
+}
+
+Outcome run_thesis_report(ReportArguments arguments, Context& context) {
   Outcome outcome;
-  const std::string folder = data_folder(arguments, kDefaultData, "meshes of the thesis", outcome);
+  const ThesisPage& thesis =
+      *std::find_if(std::begin(kTheses), std::end(kTheses),
+                    [&](const ThesisPage& page) { return arguments.experiment == page.experiment; });
+  ThesisOptions& options = arguments.thesis;
+  options.data = data_folder(arguments.data, "--data", kDefaultData, "public meshes and curves", outcome);
+  if (arguments.experiment == std::string("thesis-h-fires"))
+    options.sessions = data_folder(arguments.sessions, "--sessions", kDefaultSessions, "sessions", outcome);
+  options.pictures = !arguments.output.empty();
   const std::vector<std::string> warnings = outcome.warnings;
-  const ThesisTables found = experiments::thesis_h(folder, arguments.tables, !arguments.output.empty(),
-                                                   context.progress, [&](const ThesisTables& so_far) {
-                                                     if (!arguments.output.empty())
-                                                       write_thesis_page(arguments, folder, so_far, warnings);
-                                                   });
+  experiments::ThesisRun run(options, context.progress);
+  const ThesisResult found = run.run(thesis.experiments(), [&](const ThesisResult& so_far) {
+    if (!arguments.output.empty()) write_thesis_page(arguments, thesis, warnings, so_far);
+  });
+  if (found.rows.empty())
+    throw InvalidInput(concat("no row of ", arguments.experiment, " begins with ", joined(options.rows),
+                              "; without --rows all are made and listed"));
+  const experiments::VerdictCounts counts = verdict_counts(found.rows);
   outcome.times.add(found.times);
   outcome.warnings.insert(outcome.warnings.end(), found.warnings.begin(), found.warnings.end());
   outcome.figures["experiment"] = arguments.experiment;
-  outcome.figures["data"] = folder.empty() ? Json(nullptr) : Json(folder);
-  outcome.figures["meshes"] = found.meshes;
-  outcome.figures["missing"] = found.missing;
-  outcome.figures["tables"] = found.tables;
-  for (const ReportGrid& grid : found.grids) print(grid, outcome.lines);
-  if (const std::string missing = missing_sentence(found); !missing.empty()) outcome.lines.push_back(missing);
+  outcome.figures["data"] = options.data.empty() ? Json(nullptr) : Json(options.data);
+  outcome.figures["rows"] = Json::array();
+  for (const ThesisRow& row : found.rows) outcome.figures["rows"].push_back(row_json(row));
+  outcome.figures["counts"] = counts_json(counts);
+  print(rows_grid(found), outcome.lines);
   if (!arguments.output.empty()) outcome.lines.push_back("wrote " + arguments.output);
+  if (counts.misses() > 0 && !arguments.no_verdict)
+    outcome.failure = concat(counts.misses(), " of ", found.rows.size(),
+                             " rows miss what the thesis claims: ", missed_ids(found.rows),
+                             "; --no-verdict reports them all the same and exits with 0");
   return outcome;
 }
 
@@ -198,30 +220,41 @@ Outcome run_thesis_report(const ReportArguments& arguments, Context& context) {
 
 void add_report(CLI::App& app) {
   auto arguments = std::make_shared<ReportArguments>();
-  arguments->tables = experiments::thesis_h_tables();
   CLI::App* command = add_command(
-      app, "report", "Repeat the tables of a thesis, or compare the surfaces of sketched models.",
-      "batten report thesis-h -o thesis-h.html --data ../shared/data", [arguments](Context& context) {
-        return (arguments->experiment == "sketch" ? run_sketch_report : run_thesis_report)(*arguments,
-                                                                                           context);
+      app, "report",
+      "Repeat the experiments of a thesis, each with a verdict, or compare the surfaces of sketched models.",
+      "batten report thesis-s --quick -o thesis-s.html --data ../shared/data", [arguments](Context& context) {
+        return arguments->experiment == "sketch" ? run_sketch_report(*arguments, context)
+                                                 : run_thesis_report(*arguments, context);
       });
   command
-      ->add_option("EXPERIMENT", arguments->experiment,
-                   "thesis-h: Huska, chapter 2; sketch: the methods of batten sketch on the same models")
+      ->add_option(
+          "EXPERIMENT", arguments->experiment,
+          "thesis-s: Stanko; thesis-h: Huska, chapter 2; thesis-h-fires: Huska, chapter 7; sketch: the "
+          "methods of batten sketch on the same models")
       ->required()
-      ->check(CLI::IsMember({"thesis-h", "sketch"}));
+      ->check(CLI::IsMember({"thesis-s", "thesis-h", "thesis-h-fires", "sketch"}));
   command->add_option("-o,--output", arguments->output, "HTML page to write, with pictures")
       ->check([](const std::string& path) {
         const std::string extension = output_extension(path, "html");
         return extension == "html" || extension == "htm" ? std::string()
                                                          : concat("--output must name an .html file: ", path);
       });
-  command->add_option("--data", arguments->data,
-                      concat("Folder with the meshes, by their names, or with the sessions; by default ",
-                             kDefaultData, " and ", kDefaultSessions));
-  command->add_option("--tables", arguments->tables, "thesis-h: only these tables, joined by commas")
-      ->delimiter(',')
-      ->check(CLI::IsMember(experiments::thesis_h_tables()));
+  command->add_option(
+      "--data", arguments->data,
+      concat("Folder with public meshes and curves; of sketch, with the sessions; by default ", kDefaultData,
+             " and ", kDefaultSessions));
+  command->add_option(
+      "--sessions", arguments->sessions,
+      concat("thesis-h-fires: folder with the sessions of sketches; by default ", kDefaultSessions));
+  command->add_flag("--quick", arguments->thesis.quick,
+                    "Theses: five seeds instead of twenty, fewer steps, small meshes");
+  command
+      ->add_option("--rows", arguments->thesis.rows,
+                   "Theses: only rows that begin with these, joined by commas: 3.18,2.4")
+      ->delimiter(',');
+  command->add_flag("--no-verdict", arguments->no_verdict,
+                    "Theses: exit with 0 although rows miss their claims");
   command->add_option("--methods", arguments->methods, "sketch: only these methods, joined by commas")
       ->delimiter(',')
       ->check(CLI::IsMember(choice_words<ModelSurfaceMethod>()));

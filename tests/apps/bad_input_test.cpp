@@ -271,6 +271,16 @@ TEST(BadInput, OutputThatCannotBeWrittenIsToldAndLeavesNothing) {
   expect_refused("info t.off --report no/such/folder/report.html", {"report.html"});
 }
 
+TEST(BadInput, ReportsOfThesesNameFoldersAndRows) {
+  std::filesystem::create_directories(scratch() + "/data");
+  write_file("data/empty.off", "OFF\n0 0 0\n");
+  expect_refused("report thesis-s --data nowhere", {"nowhere", "--data"});
+  expect_refused("report thesis-h --data data/empty.off", {"empty.off", "--data"});
+  expect_refused("report thesis-h-fires --rows 7.7 --data data --sessions nowhere",
+                 {"nowhere", "--sessions"});
+  expect_refused("report thesis-s --rows 9.9 --data data", {"9.9", "--rows", "thesis-s"});
+}
+
 // A reader that copies or searches quadratically would not come back from this in the time of the test.
 TEST(BadInput, ALongScanIsReadToItsWrongEnd) {
   constexpr int kReadings = 200000;

@@ -39,7 +39,7 @@ TEST(Completion, OffersCommandsOptionsAndWords) {
   EXPECT_EQ(offered("batten sur"), "surface");
   EXPECT_EQ(offered("batten surface --edge"), "--edge-length");
   EXPECT_EQ(offered("batten surface --method bi"), "biharmonic biharmonic-normals");
-  EXPECT_EQ(offered("batten report the"), "thesis-h");
+  EXPECT_EQ(offered("batten report thesis-h-"), "thesis-h-fires");
   EXPECT_EQ(offered("batten completion f"), "fish");
   write_file("hull.net", "");
   EXPECT_EQ(offered("batten surface hul"), "hull.net");
