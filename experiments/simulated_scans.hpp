@@ -20,15 +20,23 @@ enum class Acquisition {
   PhoneEstimated,  ///< time stamps alone
 };
 
+/// What something made is measured against, with the places of the nodes (n × 3) in it.
+struct Truth {
+  Truth(Shape shape, Points nodes);
+
+  Shape shape;  ///< a surface or curves
+  Points nodes;
+  ShapeTree tree;
+  double diameter;
+};
+
 /// An object whose surface is known, with the curves that are drawn on it. Lengths in metres.
 struct ScannedObject {
   ScannedObject(std::string name, TracedNetwork traced, Shape surface);
 
   std::string name;
   TracedNetwork traced;
-  Shape surface;
-  ShapeTree tree;   ///< of the surface
-  double diameter;  ///< of the surface
+  Truth truth;
 };
 
 /// Length of all curves, in the unit of the object.
@@ -46,12 +54,16 @@ ScannedObject scanned_lilium(const TriangleMesh& lilium, int planes);
 /// @param readings about how many, without those at nodes.
 Scan acquired_scan(const ScannedObject& object, Acquisition acquisition, int readings, std::uint64_t seed);
 
-/// Distances of points from the truth after a rigid motion onto it, in per cent of its diameter.
+/// Distances of points from the truth, in per cent of its diameter.
 struct TruthDistances {
   double mean = 0, rms = 0, max = 0, min = 0;
 };
-/// As S 3.7.3 and (5.1) measure. @param made  a network or a surface. @param tree  of the truth.
-TruthDistances distances_from_truth(const Shape& made, const Shape& truth, const ShapeTree& tree);
-TruthDistances distances_from_truth(const Shape& made, const ScannedObject& object);
+/// As S 3.7.3 and (5.1) measure, over the vertices of what was made, after a rigid motion: that of the nodes
+/// onto the true ones, then, onto a surface, the one that makes the squared distances least (iterated closest
+/// points with tangent planes).
+/// @param made  a network or a surface. @param nodes  where its nodes are: as many rows as the truth has.
+TruthDistances distances_from_truth(const Shape& made, const Points& nodes, const Truth& truth);
+/// The same where the nodes are the first vertices, as in every network of a scan and the surface on it.
+TruthDistances distances_from_truth(const Shape& made, const Truth& truth);
 
 }  // namespace batten::experiments

@@ -129,7 +129,13 @@ FairedSeed faired_seed(const TriangleMesh& clean, const MeshData& data, std::spa
     FairingOptions options;
     options.method = kMethods[k];
     if (k < rows.size()) options.iterations = rows[k].iterations;
-    measure(k + 1, fair(noisy, clean.triangles, options).positions);
+    try {
+      measure(k + 1, fair(noisy, clean.triangles, options).positions);
+    } catch (const Cancelled&) {
+      throw;
+    } catch (const Error&) {
+      made.errors[k + 1] = {NAN, NAN};  // noise of some seeds leaves triangles without area
+    }
   }
   return made;
 }
@@ -186,13 +192,20 @@ void fairing_rows(ThesisRun& run, const MeshData& data, std::span<const FairingR
                     {"noisy_normals_deg", spread(0, &FairingErrors::normals).median},
                     {"normals_by_auto_deg", spread(4, &FairingErrors::normals).median}};
         row.data += seeds.size() == 1 ? ", noise of (2.36), seed 1" : run.seeds_text(", noise of (2.36)");
-        row.remark = "H's ΔV has no usable unit, so that the order alone is decided.";
+        row.remark = "H's ΔV has no usable unit, so that the order alone is decided, by the medians.";
+        const auto refused = std::count_if(seeds.begin(), seeds.end(), [k](const FairedSeed& seed) {
+          return !std::isfinite(seed.errors[k].normals);
+        });
+        if (refused > 0)
+          row.remark += concat(" The method refused ", refused, " of ", seeds.size(),
+                               ", where the matrix of a step became singular.");
         if (k == 1)
           row.stand_in(std::nullopt);
         else
           row.stand_in(volume.median < spread(1, &FairingErrors::volume).median);
       }
       grid.rows.push_back(std::move(cells));
+      if (seeds.front().positions[k].rows() == 0) continue;
       TriangleMesh picture = clean;
       picture.positions = seeds.front().positions[k];
       run.draw(rows.front(), kNames[k], "Seed 1.", {.mesh = &picture}, view_of(data.mesh, Shading::Shaded));

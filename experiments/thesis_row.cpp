@@ -39,6 +39,8 @@ std::string value_text(const Json& value, std::string_view unit) {
 
 std::string number(double value, const char* format) {
   if (!std::isfinite(value)) return "–";
+  // Three digits of a thousand would be written as a power of ten.
+  if (std::string_view(format) == "%.3g" && std::abs(value) >= 1000 && std::abs(value) < 1e6) format = "%.0f";
   char text[48];
   std::snprintf(text, sizeof text, format, value);
   return text;

@@ -139,22 +139,22 @@ SeedErrors measured_seed(const DataSet& set, const ScannedObject& object, bool q
       acquired_scan(object, set.acquisition, set.readings, static_cast<std::uint64_t>(seed)));
   for (std::size_t h = 0; h < kNumberOfSteps; ++h) {
     if (quick && h > kDecidingStep) continue;
-    double size = object.diameter;
+    double size = object.truth.diameter;
     for (std::size_t w = 0; w < kNumberOfWeights; ++w) {
       try {
         ScanOptions options = w == 0 ? ScanOptions{} : thesis_options(kWeights[w], size);
-        options.step = Length{kSteps[h] / 100 * object.diameter, Length::Kind::Plain};
+        options.step = Length{kSteps[h] / 100 * object.truth.diameter, Length::Kind::Plain};
         if (w == 0 && set.acquisition != Acquisition::Device) options.lengths = LengthChoice::Estimated;
         ScanNetwork made = solver.solve(options);
         if (w == 0) size = made.report.size;
         // S 3.7.3: networks of estimated lengths are scaled to the total length that is measured.
         if (set.acquisition == Acquisition::PhoneEstimated)
           made.network.positions *= true_length / length_of(made.network);
-        errors.network[h][w] = distances_from_truth(shape_of(made.network), object);
+        errors.network[h][w] = distances_from_truth(shape_of(made.network), object.truth);
         if (!with_surfaces || !makes_surface(quick, h, w)) continue;
         const NetworkSurface surface = network_surface(made.network);
         if (!surface.is_sound()) ++errors.flawed;
-        errors.surface[h][w] = distances_from_truth(shape_of(surface.mesh), object);
+        errors.surface[h][w] = distances_from_truth(shape_of(surface.mesh), object.truth);
       } catch (const Cancelled&) {
         throw;
       } catch (const Error&) {
@@ -265,7 +265,7 @@ void draw_seed(ThesisRun& run, AcquiredData& data, const DataSet& set, ThesisRow
   const ScanNetwork made =
       network_from_scan(acquired_scan(object, set.acquisition, set.readings, 1), options);
   NetworkSurface surface = network_surface(made.network);
-  TruthErrors errors = truth_errors(shape_of(surface.mesh), object.surface);
+  TruthErrors errors = truth_errors(shape_of(surface.mesh), object.truth.shape);
   Subject subject{.mesh = &surface.mesh, .network = &made.network};
   subject.errors = errors.vertices;
   subject.error_unit = "% of the diameter";

@@ -466,7 +466,7 @@ void more_curves(ThesisRun& run) {
         const ScanNetwork network = network_from_scan(
             acquired_scan(object, Acquisition::Device, readings, static_cast<std::uint64_t>(seed)), options);
         NetworkSurface surface = network_surface(network.network);
-        const double distance = distances_from_truth(shape_of(surface.mesh), object).mean;
+        const double distance = distances_from_truth(shape_of(surface.mesh), object.truth).mean;
         return Made{distance, std::move(surface.mesh)};
       } catch (const Cancelled&) {
         throw;

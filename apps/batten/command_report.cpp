@@ -148,7 +148,7 @@ Outcome run_sketch_report(const ReportArguments& arguments, Context& context) {
 struct ThesisPage {
   const char* experiment;
   const char* title;
-  std::vector<experiments::ThesisExperiment> (*experiments)();
+  std::vector<experiments::ThesisExperiment> (*rows)();
 };
 constexpr ThesisPage kTheses[] = {
     {"thesis-s", "Stanko's thesis, repeated", experiments::thesis_s},
@@ -193,7 +193,7 @@ Outcome run_thesis_report(ReportArguments arguments, Context& context) {
   options.pictures = !arguments.output.empty();
   const std::vector<std::string> warnings = outcome.warnings;
   experiments::ThesisRun run(options, context.progress);
-  const ThesisResult found = run.run(thesis.experiments(), [&](const ThesisResult& so_far) {
+  const ThesisResult found = run.run(thesis.rows(), [&](const ThesisResult& so_far) {
     if (!arguments.output.empty()) write_thesis_page(arguments, thesis, warnings, so_far);
   });
   if (found.rows.empty())

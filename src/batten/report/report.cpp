@@ -82,6 +82,7 @@ td.unit{color:var(--soft);padding-right:0;width:40%}
 .mark{display:inline-block;font-size:.78rem;font-weight:600;border:1px solid var(--line);border-radius:999px;padding:.05rem .6rem;margin-left:.6rem;color:var(--soft);vertical-align:middle}
 .mark.good{color:var(--good);border-color:var(--good)}.mark.bad{color:var(--bad);border-color:var(--bad)}
 .facts{margin:0 0 1rem}.facts td:first-child{width:9rem;color:var(--soft)}
+.plots .card{max-width:620px}
 .plots{display:grid;grid-template-columns:repeat(auto-fit,minmax(400px,1fr));gap:1rem;margin-bottom:1rem}
 svg .line{fill:none;stroke-width:2}.grid h3{margin:0 0 .2rem;font-size:.95rem;font-weight:600}
 .warnings{background:var(--warn-paper);border:1px solid var(--warn);border-radius:8px;padding:.7rem 1rem .7rem 2.1rem;margin:0}
@@ -150,6 +151,11 @@ void add_grids(std::string& page, const Report& report) {
   }
 }
 
+/// A mark of an axis: as whole numbers from a thousand on, where three digits would become a power of ten.
+std::string mark_text(double value) {
+  return number(value, value >= 1000 && value < 1e6 ? "%.0f" : "%.3g");
+}
+
 /// A logarithmic axis over a range, from `begin` to `end` in the picture, with a mark at 1, 2 and 5 of every
 /// decade, or at the decades alone where there are many.
 class LogAxis {
@@ -207,11 +213,11 @@ void add_plot(std::string& page, const ReportPlot& plot) {
   for (const double mark : y.marks())
     page += concat("<line class=\"axis\" x1=\"", kLeft, "\" x2=\"", kWidth - kRight, "\" y1=\"", y(mark),
                    "\" y2=\"", y(mark), "\"/><text x=\"", kLeft - 6, "\" y=\"", y(mark) + 4,
-                   "\" text-anchor=\"end\">", number(mark), "</text>\n");
+                   "\" text-anchor=\"end\">", mark_text(mark), "</text>\n");
   for (const double mark : x.marks())
     page += concat("<line class=\"axis\" x1=\"", x(mark), "\" x2=\"", x(mark), "\" y1=\"", kTop, "\" y2=\"",
                    kBase, "\"/><text x=\"", x(mark), "\" y=\"", kBase + 17, "\" text-anchor=\"middle\">",
-                   number(mark), "</text>\n");
+                   mark_text(mark), "</text>\n");
   if (plot.level && plot.level->first > 0)
     page += concat("<line class=\"mark\" x1=\"", kLeft, "\" x2=\"", kWidth - kRight, "\" y1=\"",
                    y(plot.level->first), "\" y2=\"", y(plot.level->first), "\"/><text x=\"", kLeft + 6,
