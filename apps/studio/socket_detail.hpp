@@ -98,6 +98,7 @@ class Socket : public std::enable_shared_from_this<Socket> {
     stream_.async_accept(request, [me = shared_from_this()](error_code error) {
       if (error || me->has_ended_) return me->end();
       me->is_open_ = true;
+      if (me->hub_.is_stopping) return me->say_farewell();
       me->read();
       me->write();  // what has come meanwhile
     });
@@ -116,7 +117,8 @@ class Socket : public std::enable_shared_from_this<Socket> {
 
   void say_farewell() {
     // The answer to the client's first words may still be on its way; a stream takes one write at a time.
-    if (!is_open_) return end();
+    // Said after it.
+    if (!is_open_) return;
     stream_.async_close(websocket::close_code::going_away,
                         [me = shared_from_this()](error_code) { me->end(); });
   }
