@@ -158,9 +158,10 @@ TEST(ReportCommand, KeepsTheCommittedVerdicts) {
       ADD_FAILURE() << committed.id << " is missing";
       continue;
     }
-    if (!one->second["timed"].get<bool>())
+    if (!one->second["timed"].get<bool>()) {
       EXPECT_TRUE(is_as_committed(committed, one->second, has_data))
-          << committed.id << " was " << committed.verdict << ", now " << one->second.dump();
+          << id << " was " << committed.verdict << ", now " << one->second.dump();
+    }
     found.erase(one);
   }
   for (const auto& [id, json] : found)
