@@ -125,6 +125,10 @@ test('a place is held and dragged: a preview, a step, moved by an arrow, changed
   await expect.poll(async () => (await selected(page)).motion?.translation[2]).toBeGreaterThan((before[2] ?? 0) + 2);
   expect((await selected(page)).motion?.translation.slice(0, 2)).toEqual(before.slice(0, 2));
   const z = page.getByRole('spinbutton', { name: /^Move z/ });
+  // The step is made and told: a field is written anew until then.
+  await expect.poll(() => page.evaluate(() => globalThis.batten?.store.work.value ?? null)).toBeNull();
+  const told = (await selected(page)).motion?.translation[2] ?? 0;
+  await expect.poll(async () => Number(await z.inputValue())).toBeCloseTo(told, 1);
   await z.fill('40');
   await z.press('Enter');
   await expect.poll(async () => (await selected(page)).motion?.translation[2]).toBe(40);
