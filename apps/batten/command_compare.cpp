@@ -15,7 +15,6 @@
 #include "batten/io/file.hpp"
 #include "batten/io/mesh_io.hpp"
 #include "batten/io/standard_streams.hpp"
-#include "batten/pipeline/mesh_input.hpp"
 #include "batten/pipeline/shape_comparison.hpp"
 
 namespace batten::cli {
@@ -46,8 +45,6 @@ Outcome run_compare(const CompareArguments& arguments, Context& context) {
   if (arguments.repair)
     for (Model* model : {&a, &b})
       if (model->mesh) {
-        if (const auto problem = mesh_problem(*model->mesh))
-          throw InvalidInput(concat(model->path, ": ", *problem));
         MeshFile file{std::move(*model->mesh), std::move(model->attributes)};
         commands::prepare_mesh(model->path, file, outcome.warnings, true, context.progress);
         model->mesh = std::move(file.mesh);

@@ -11,7 +11,6 @@
 #include "batten/io/mesh_io.hpp"
 #include "batten/io/network_io.hpp"
 #include "batten/io/standard_streams.hpp"
-#include "batten/pipeline/mesh_input.hpp"
 #include "batten/pipeline/shape_comparison.hpp"
 
 namespace batten::cli {
@@ -45,7 +44,6 @@ Model read_model(const std::string& path, std::vector<std::string>& warnings) {
 MeshFile read_mesh_to_process(const std::string& path, std::vector<std::string>& warnings, bool repair,
                               const Progress& progress) {
   MeshFile file = read_mesh_file(path, &warnings);
-  if (const auto problem = mesh_problem(file.mesh)) throw InvalidInput(concat(path, ": ", *problem));
   commands::prepare_mesh(path, file, warnings, repair, progress);
   return file;
 }

@@ -2,13 +2,16 @@
 
 #include <utility>
 
+#include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
+#include "batten/pipeline/mesh_input.hpp"
 #include "batten/pipeline/repaired_mesh.hpp"
 
 namespace batten::commands {
 
 void prepare_mesh(const std::string& name, MeshFile& file, std::vector<std::string>& warnings, bool repair,
                   const Progress& progress) {
+  if (const auto problem = mesh_problem(file.mesh)) throw InvalidInput(concat(name, ": ", *problem));
   if (!repair) {
     if (file.mesh.n_vertices() < file.mesh.n_triangles()) return;  // no soup
     TriangleMesh welded = file.mesh;

@@ -9,8 +9,8 @@ namespace batten::commands {
 
 /// Makes a mesh that was read ready for every command on meshes: a soup of triangles is welded; with `repair`
 /// everything is mended that `batten repair` mends without options. What was done is told in the warnings.
-/// @param name what sentences call the mesh, such as its path. @throws InvalidInput as repaired_mesh();
-/// Cancelled. @pre without `repair`: mesh_problem() has nothing to say.
+/// @param name what sentences call the mesh, such as its path. @throws InvalidInput with what
+/// mesh_problem() says of it; Cancelled.
 void prepare_mesh(const std::string& name, MeshFile& file, std::vector<std::string>& warnings, bool repair,
                   const Progress& progress);
 

@@ -31,8 +31,6 @@ struct Made {
 
 /// Reads a mesh as every command on meshes does.
 void prepare(NamedMesh& mesh, std::vector<std::string>& warnings, bool repair, const Progress& progress) {
-  if (const auto problem = mesh_problem(mesh.file.mesh))
-    throw InvalidInput(concat(mesh.name, ": ", *problem));
   commands::prepare_mesh(mesh.name, mesh.file, warnings, repair, progress);
 }
 

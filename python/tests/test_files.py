@@ -128,3 +128,9 @@ def test_objects_of_the_wrong_kind_are_refused(tmp_path):
     ]:
         with pytest.raises(batten.InvalidInput, match=sentence):
             call()
+
+
+def test_meshes_that_nothing_can_be_measured_on_are_refused_before_they_are_mended():
+    flat = (np.zeros((3, 3)), F[:1] * 0 + [0, 1, 2])
+    with pytest.raises(batten.InvalidInput, match="no face has an area"):
+        batten.compare(flat, (V, F), repair=True)

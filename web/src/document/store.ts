@@ -379,21 +379,21 @@ export class Store {
   }
 
   private noteKept({ json }: Success): void {
-    if (json.kept !== false || !this.kept.value) return;
-    this.kept.value = false;
-    this.tell('warning', 'The browser has no room left: what is done from here on is not kept.', 'Save the project.');
+    const isKept = json.kept === true; // again, when a project begins anew where there was no room
+    if (this.kept.value && !isKept)
+      this.tell('warning', 'The browser has no room left: what is done from here on is not kept.', 'Save the project.');
+    this.kept.value = isKept;
   }
 
   /** The project as the journal has it, in an engine that is started anew. */
   private async recover(): Promise<void> {
     if (this.recovering || !this.kept.value) return;
     this.recovering = true;
-    const { selected } = this;
-    const before = selected.value;
+    const before = this.selected.value;
     try {
       this.forget();
       await this.start(true, false);
-      selected.value = this.objects.value.some((one) => one.id === before) ? before : null;
+      this.selected.value = this.objects.value.some((one) => one.id === before) ? before : null;
       this.tell('warning', 'The engine was started again, in this page. The project is as it was before.');
       await this.showAll();
     } finally {

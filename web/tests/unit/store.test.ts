@@ -69,6 +69,12 @@ describe('the project', () => {
     await store.edit({ op: 'undo' });
     expect(store.kept.value).toBe(false);
     expect(store.notices.value.filter((one) => /no room/.test(one.text)).length).toBe(1);
+    own.isFull = false;
+    await store.clear(); // another project, which there is room for
+    expect(store.kept.value).toBe(true);
+    own.isFull = true;
+    await store.edit({ op: 'undo' });
+    expect(store.kept.value).toBe(false);
     own.isGone = true; // nothing to start again from: it must not begin empty
     await store.edit({ op: 'undo' });
     expect(own.starts).toBe(1);
