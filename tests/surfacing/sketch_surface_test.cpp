@@ -9,6 +9,7 @@
 #include "batten/core/error.hpp"
 #include "batten/io/network_io.hpp"
 #include "batten/mesh/adjacency.hpp"
+#include "batten/mesh/areas.hpp"
 #include "batten/strokes/stroke_network.hpp"
 #include "batten/surfacing/surface.hpp"
 
@@ -62,6 +63,26 @@ TEST(SurfaceOfASketch, IsNearlyATorusOverItsCircles) {
   const MeshTopology topology = mesh_topology(surface.mesh.triangles, surface.mesh.n_vertices());
   EXPECT_TRUE(topology.is_watertight());
   EXPECT_EQ(topology.genus(), std::optional<int>(1));
+}
+
+// Twelve straight edges of a cube and no normals: its sides bulge, and do not sink in.
+TEST(SurfaceOfASketch, OverTheEdgesOfACubeBulges) {
+  CurveNetwork strokes;
+  strokes.positions.resize(24, 3);
+  for (int a = 0, row = 0; a < 8; ++a)
+    for (int axis = 0; axis < 3; ++axis) {
+      if ((a >> axis & 1) != 0) continue;
+      NetworkCurve curve;
+      for (const int corner : {a, a | 1 << axis}) {
+        strokes.positions.row(row) << (corner & 1), (corner >> 1 & 1), (corner >> 2 & 1);
+        curve.vertices.push_back(row++);
+      }
+      strokes.curves.push_back(std::move(curve));
+    }
+  const StrokeNetwork made = stroke_network(strokes);
+  const SurfaceResult surface = surface_network(made.network, made.estimate.cycles);
+  EXPECT_GT(enclosed_volume(surface.mesh.positions, surface.mesh.triangles), 1.2);
+  EXPECT_EQ(surface.folded_triangles, 0);
 }
 
 // Three arcs of two edges between two poles: every patch is a quadrangle of the same two poles, and could

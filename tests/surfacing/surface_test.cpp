@@ -68,9 +68,8 @@ void expect_sound(const SurfaceResult& surface) {
   EXPECT_TRUE(self_intersections(surface.mesh.positions, surface.mesh.triangles).empty());
 }
 
-// The surfaces are defined at the end of data/README.md. `target` is the mean distance in % of the diameter
-// that a trial of the thesis's form reached, after one rebuild on closed surfaces and without border rows on
-// open ones.
+// The surfaces are defined at the end of data/README.md. `target` is the mean distance in % of the diameter,
+// half as much again as was measured; it is 2 to 30 times less than with normals of the least ∫|ΔN|².
 struct ExactNetwork {
   const char* name;
   Function surface;
@@ -105,36 +104,36 @@ double sphere(const Eigen::Vector3d& p) {
 INSTANTIATE_TEST_SUITE_P(
     Data, SurfaceOfExactNetwork,
     testing::Values(
-        ExactNetwork{"sphere3", sphere, 0.008, 2}, ExactNetwork{"sphere6", sphere, 0.007, 2},
+        ExactNetwork{"sphere3", sphere, 0.0004, 2}, ExactNetwork{"sphere6", sphere, 0.0004, 2},
         ExactNetwork{"ellipsoid5",
                      [](const Eigen::Vector3d& p) {
                        return p.x() * p.x() / 2.25 + p.y() * p.y() + p.z() * p.z() / 0.49 - 1;
                      },
-                     0.029, 2},
+                     0.025, 2},
         ExactNetwork{"torus",
                      [](const Eigen::Vector3d& p) { return std::hypot(p.head<2>().norm() - 4, p.z()) - 2; },
-                     0.011, 0},
+                     0.0007, 0},
         ExactNetwork{"bumpycube",
                      [](const Eigen::Vector3d& p) {
                        return p.array().pow(4).sum() - 1 +
                               0.12 * std::cos(3 * p.x()) * std::cos(3 * p.y()) * std::cos(3 * p.z());
                      },
-                     0.008, 2},
+                     0.006, 2},
         ExactNetwork{"dish",
                      [](const Eigen::Vector3d& p) {
                        const double r = p.head<2>().norm(), a = std::atan2(p.y(), p.x());
                        return p.z() - 0.18 * std::cos(3 * a) * r * r * r - 0.12 * r * r;
                      },
-                     0.010, 1},
+                     0.0014, 1},
         ExactNetwork{"saddle",
                      [](const Eigen::Vector3d& p) { return p.z() - 0.35 * (p.x() * p.x() - p.y() * p.y()); },
-                     0.005, 1},
+                     0.0002, 1},
         ExactNetwork{"waves",
                      [](const Eigen::Vector3d& p) {
                        return p.z() - 0.12 * std::sin(3 * p.x()) * std::cos(2.5 * p.y()) -
                               0.2 * p.x() * p.x();
                      },
-                     0.007, 1}),
+                     0.0048, 1}),
     [](const auto& instance) { return std::string(instance.param.name); });
 
 // A sphere has constant mean curvature: the normals are exact in the limit, the curvature along edges exact
@@ -145,6 +144,17 @@ TEST(SurfaceNetwork, ReproducesASphere) {
   EXPECT_LT(distances(surface.mesh, sphere, std::sqrt(12.0)).max, 0.01);
   expect_sound(surface);
   EXPECT_GE(surface.rebuilds, 1);
+}
+
+// A saddle over its outline and one cross, whose mean curvature changes evenly: 0.0009 % off, and 0.0045
+// where the normals are of the least ∫|ΔN|².
+TEST(SurfaceNetwork, LetsMeanCurvatureBend) {
+  const auto saddle = [](double x, double y) { return 0.35 * (x * x - y * y); };
+  const CurveNetwork network = square_graph(16, true, saddle);
+  const SurfaceResult surface = surface_network(network);
+  const auto off = [&](const Eigen::Vector3d& p) { return p.z() - saddle(p.x(), p.y()); };
+  EXPECT_LT(distances(surface.mesh, off, bounding_box_diagonal(network.positions)).mean, 1.5e-3);
+  expect_sound(surface);
 }
 
 // Without rebuilds this is the thesis's method; with them it must be ahead of it at every step.

@@ -29,6 +29,33 @@ double cost_of_whole(Eigen::Index unknowns) {
   return (with_cholmod ? 15e3 : 50e3) * static_cast<double>(unknowns);
 }
 
+/// Of ∫|r|² beside ∫|∇r|², lengths in diameters: a wave as long as the object has 40 times as much of the
+/// latter.
+constexpr double kShareOfLaplacian = 1e-3;
+
+/// Unknowns from which CHOLMOD is faster in the system of sixth order: its factor is three times as full as
+/// those that CholeskyBackend::Auto was measured on.
+constexpr Eigen::Index kSupernodesFrom = 3000;
+
+/// The stiffness of the edges between vertices whose row is kept; 0 elsewhere.
+SparseMatrix kept_stiffness(const SparseMatrix& K, const Eigen::VectorXd& inverse_mass) {
+  SparseMatrix kept = K;
+  for (int v = 0; v < kept.outerSize(); ++v) {
+    double sum = 0;
+    double* diagonal = nullptr;
+    for (SparseMatrix::InnerIterator entry(kept, v); entry; ++entry) {
+      if (entry.row() == v)
+        diagonal = &entry.valueRef();
+      else if (inverse_mass[v] == 0 || inverse_mass[entry.row()] == 0)
+        entry.valueRef() = 0;
+      else
+        sum += entry.value();
+    }
+    if (diagonal != nullptr) *diagonal = -sum;
+  }
+  return kept;
+}
+
 }  // namespace
 
 FairingSystems::FairingSystems(const std::vector<char>& fixed, std::vector<char> border,
@@ -40,6 +67,10 @@ FairingSystems::FairingSystems(const std::vector<char>& fixed, std::vector<char>
   systems_[0] = std::make_unique<HeldSolver>("the harmonic system of the surface", unknowns_);
   systems_[1] = std::make_unique<HeldSolver>("the biharmonic system of the surface", unknowns_);
   systems_[2] = std::make_unique<HeldSolver>("the triharmonic system of the surface", unknowns_);
+  const bool is_large = SparseCholesky::has_cholmod() && unknowns_.n_free() > kSupernodesFrom;
+  gradient_system_ =
+      std::make_unique<HeldSolver>("the system of the normals of the surface", unknowns_,
+                                   is_large ? CholeskyBackend::Cholmod : CholeskyBackend::Auto);
 }
 
 void FairingSystems::set_metric(const Triangles& triangles, const EdgeLengths& lengths) {
@@ -56,6 +87,7 @@ void FairingSystems::set_metric(const Triangles& triangles, const EdgeLengths& l
   }
   std::fill(std::begin(ready_), std::end(ready_), false);
   patches_ready_ = false;
+  gradient_ready_ = false;
 }
 
 PatchSystems* FairingSystems::patches() {
@@ -120,6 +152,20 @@ Eigen::MatrixXd FairingSystems::polyharmonic(int order, const Eigen::MatrixXd& v
 Eigen::MatrixXd FairingSystems::fit_laplacian(const Eigen::MatrixXd& target, const Eigen::MatrixXd& values) {
   if (PatchSystems* const parts = patches()) return parts->biharmonic(target, values);
   return solve(2, K_ * (inverse_mass_.asDiagonal() * target), values);
+}
+
+Eigen::MatrixXd FairingSystems::fit_laplacian_gradient(const Eigen::MatrixXd& target,
+                                                       const Eigen::MatrixXd& values) {
+  if (!gradient_ready_) {
+    const Eigen::VectorXd& D = inverse_mass_;
+    SparseMatrix energy = D.asDiagonal() * kept_stiffness(K_, D) * D.asDiagonal();
+    energy.diagonal() += kShareOfLaplacian * D;
+    gradient_rows_ = K_ * energy;
+    const SparseMatrix whole = gradient_rows_ * K_;
+    gradient_system_->factorize(unknowns_.free_block(whole, true), unknowns_.coupling(whole));
+    gradient_ready_ = true;
+  }
+  return gradient_system_->solve(gradient_rows_ * target, values);
 }
 
 Eigen::MatrixXd FairingSystems::biharmonic_with_curvature(const Eigen::MatrixXd& curvature_vectors,

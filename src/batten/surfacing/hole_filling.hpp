@@ -21,6 +21,7 @@ struct MeshHole {
 struct FilledMesh {
   TriangleMesh mesh;
   std::vector<MeshHole> holes;  ///< all, in the order of boundary_loops()
+  /// How many of the holes were filled.
   int n_filled() const;
 };
 

@@ -98,6 +98,7 @@ enum class SurfaceReach {
   All,
 };
 
+/// What a move of SurfaceSolver solves for.
 struct SurfaceMoveOptions {
   SurfaceReach reach = SurfaceReach::Touched;
   /// For while a curve is dragged: curves carry the surface with them, but its normals, the fit to their
@@ -132,6 +133,7 @@ class SurfaceSolver {
   SurfaceSolver(SurfaceSolver&&) noexcept;
   SurfaceSolver& operator=(SurfaceSolver&&) noexcept;
 
+  /// The surface as it is now.
   const SurfaceResult& result() const;
 
   /// Solves again for moved vertices and turned normals of the same network: back-substitutions in the metric
