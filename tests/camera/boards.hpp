@@ -41,7 +41,9 @@ inline BoardPairs shown_boards(const StereoRig& rig, const BoardScene& scene) {
     const Eigen::Matrix3d R = so3_exp(tilt * Eigen::Vector3d(std::cos(about), std::sin(about), 0)) *
                               so3_exp(Eigen::Vector3d(0, 0, random.uniform(-0.5, 0.5)));
     const double z = random.uniform(scene.near, scene.far);
-    const Eigen::Vector3d t(random.uniform(-0.5, 0.6) * z, random.uniform(-0.45, 0.45) * z, z);
+    const double down = random.uniform(-0.45, 0.45),
+                 across = random.uniform(-0.5, 0.6);  // one after the other
+    const Eigen::Vector3d t(across * z, down * z, z);
     bool is_visible = true;
     for (int i = 0; i < n; ++i) {
       const Eigen::Vector3d left = R * (result.board.corner(i) - middle) + t;

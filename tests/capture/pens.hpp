@@ -27,7 +27,8 @@ inline std::vector<Blob> blobs_of(const StereoRig& rig, CameraSide side, const P
   for (const int led : leds) {
     const auto pixel = image_in(rig, side, led_position(pen, pose, led));
     if (!pixel) continue;
-    const Eigen::Vector2d off(random.normal(), random.normal());
+    const double down = random.normal(), across = random.normal();  // one after the other
+    const Eigen::Vector2d off(across, down);
     blobs.push_back({*pixel + sigma * off, sigma * sigma * Eigen::Matrix2d::Identity()});
   }
   return blobs;

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "batten/core/text.hpp"
 #include "batten/simulation/shapes.hpp"
 
 namespace batten::test {
@@ -63,12 +64,15 @@ TEST(LivePreview, ShowsASlippingWheelAsDrift) {
 }
 
 TEST(LivePreview, IsNotStuckByWrongBytes) {
-  const Captured run = captured("simulator:sphere?speed=max&pace=5&flip=1%&seed=4");
-  const Followed followed = follow(run.recording);
-  EXPECT_EQ(followed.last.n_curves, 3);
-  // A fifth of the packets is spoilt; the preview believes most of the others to the very end.
-  EXPECT_GT(followed.last.n_readings, 4 * followed.last.n_refused * 6 / 10);
-  EXPECT_GT(followed.last.rate_hz, 60);
+  for (const int seed : {1, 4, 7}) {
+    const Captured run = captured(concat("simulator:sphere?speed=max&pace=5&flip=1%&seed=", seed));
+    const Followed followed = follow(run.recording);
+    EXPECT_EQ(followed.last.n_curves, 3) << seed;
+    // A fifth of the packets is spoilt; of the others nearly all are believed, to the very end.
+    const auto all = static_cast<double>(followed.last.n_readings + followed.last.n_refused);
+    EXPECT_LT(static_cast<double>(followed.last.n_refused), 0.22 * all) << seed;
+    EXPECT_GT(followed.last.rate_hz, 70) << seed;
+  }
 }
 
 TEST(LivePreview, CountsGapsAndMissingSamples) {

@@ -95,9 +95,10 @@ const std::map<std::string, Document>& documents() {
     for (const fs::directory_entry& entry : fs::directory_iterator(repository()))
       if (entry.path().extension() == ".md")
         result[entry.path().filename().string()] = read_document(entry.path());
-    for (const std::string& path : files_of({"apps", "bench", "data", "docs", "examples", "experiments",
-                                             "fuzz", "python", "src", "tests", "tools"},
-                                            {".md"}))
+    for (const std::string& path :
+         files_of({"apps", "bench", "benchmark", "data", "docs", "examples", "experiments", "fuzz", "plugins",
+                   "python", "src", "tests", "tools", "workflows"},
+                  {".md"}))
       result[path] = read_document(repository() / path);
     return result;
   }();

@@ -190,6 +190,7 @@ TEST(Shapes, MeshesRefuseEdgesOutOfRange) {
   EXPECT_THROW(shape_mesh(AnalyticShape::Sphere, 0), InvalidInput);
   EXPECT_THROW(shape_mesh(AnalyticShape::Sphere, 0.3), InvalidInput);
   EXPECT_THROW(shape_mesh(AnalyticShape::Sphere, NAN), InvalidInput);
+  EXPECT_THROW(shape_mesh(AnalyticShape::Torus, 1e-6), InvalidInput);  // 10 billion triangles
 }
 
 }  // namespace

@@ -15,6 +15,7 @@ struct Board {
   double square = 0.025;  ///< side of a square, metres, above 0
 
   int n_corners() const { return columns * rows; }
+  /// Place of a corner on the board, metres.
   Eigen::Vector3d corner(int index) const {
     return {index % columns * square, index / columns * square, 0.0};
   }

@@ -10,6 +10,7 @@ struct GreyImage {
   int width = 0, height = 0;
   std::vector<std::uint8_t> pixels;
 
+  /// Brightness of a pixel, 0 … 255. @pre it lies within the image.
   std::uint8_t at(int x, int y) const {
     return pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
                   static_cast<std::size_t>(x)];

@@ -33,6 +33,7 @@ struct PenPose {
   Eigen::Vector3d direction = -Eigen::Vector3d::UnitY();  ///< unit vector from the tip to the other end
 };
 
+/// Place of an LED in left camera coordinates, metres. @param led from the tip, from 0.
 Eigen::Vector3d led_position(const Pen& pen, const PenPose& pose, int led);
 
 /// Two unit vectors at right angles to a unit vector and to each other, as columns.

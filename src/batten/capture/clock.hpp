@@ -10,6 +10,7 @@ namespace batten {
 class HostClock {
  public:
   virtual ~HostClock() = default;
+  /// Microseconds since the clock began.
   virtual std::int64_t now_us() = 0;
   /// Lets time pass.
   virtual void wait(double seconds) = 0;
@@ -20,6 +21,7 @@ class HostClock {
 /// Real time since construction, from a clock that nobody sets, or `speed` times as much.
 class SteadyClock : public HostClock {
  public:
+  /// @param speed above 0: 2 runs twice as fast as the time of the world.
   explicit SteadyClock(double speed = 1);
   std::int64_t now_us() override;
   void wait(double seconds) override;
@@ -44,6 +46,7 @@ class VirtualClock : public HostClock {
 /// Counts a 32-bit counter on over its wraps: differences of less than 2³¹ to either side are taken as such.
 class Unwrapper {
  public:
+  /// The count of a reading, its wraps added up.
   std::int64_t operator()(std::uint32_t value);
 
  private:
@@ -72,6 +75,7 @@ ClockMapping map_clock(const std::vector<std::int64_t>& device_us,
 /// bounded.
 class LiveClock {
  public:
+  /// Host time of a sample. @param arrival_us not decreasing from call to call.
   std::int64_t host_us(std::int64_t device_us, std::int64_t arrival_us);
 
  private:

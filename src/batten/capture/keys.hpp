@@ -20,6 +20,7 @@ enum class MarkKind {
   Undo       ///< the node marked last was none
 };
 
+/// What a key has said, and when.
 struct Mark {
   static constexpr int kUnnumbered = -1;
 
@@ -39,6 +40,7 @@ struct Mark {
 /// keys are left out.
 class KeyReader {
  public:
+  /// @param n_nodes of the network, where that is known: below ten, each digit is a node at once.
   explicit KeyReader(std::optional<int> n_nodes = std::nullopt);
 
   /// @param key a character or word as above. @return marks that it completes, up to two.
@@ -60,6 +62,7 @@ class KeyReader {
 
 /// A curve between two marks.
 struct MarkedCurve {
+  /// A node that was marked on the curve.
   struct Node {
     std::int64_t time_us = 0;
     int number = Mark::kUnnumbered;

@@ -14,6 +14,11 @@ constexpr double kFullScale = 32767;
 using detail::kLargestIndexStep, detail::kLargestTicksPerPacket;
 constexpr double kLengthTolerance = 0.2;
 constexpr double kChangeTolerance = 0.3;
+// A packet needs two of the five before it for witnesses. Where a fifth of all is spoilt, four of five are
+// not: one packet in 150 has too few. More packets to look back at would let more of the spoilt find
+// witnesses.
+constexpr std::size_t kRecentPackets = 5;
+constexpr int kWitnesses = 2;
 // How far the best form must be ahead of the second for a decision, in points of 4.
 constexpr double kSettlingMargin = 0.1;
 constexpr std::size_t kFewestPackets = 10;
@@ -146,32 +151,33 @@ bool PacketGate::agrees(const MorphoriderPacket& from, const MorphoriderPacket& 
 
 PacketGate::Verdict PacketGate::judge(const MorphoriderPacket& packet) {
   const double acc = packet.accelerometer.norm(), mag = packet.magnetometer.norm();
-  const bool usual = std::abs(acc / accelerometer_length_ - 1) < kLengthTolerance &&
+  const bool usual = believed_ && std::abs(acc / accelerometer_length_ - 1) < kLengthTolerance &&
                      std::abs(mag / magnetometer_length_ - 1) < kLengthTolerance;
-  if (reference_ && usual && agrees(*reference_, packet, refused_since_)) {
-    // The usual lengths follow slowly: a device that is not calibrated has other lengths in other directions.
-    accelerometer_length_ += 0.05 * (acc - accelerometer_length_);
-    magnetometer_length_ += 0.05 * (mag - magnetometer_length_);
-    reference_ = packet;
-    refused_since_ = 0;
-    refused_.clear();
-    return Verdict::Good;
+  int agreeing = 0, in_a_row = 0;
+  bool goes_on = false;
+  for (std::size_t back = 0; back < recent_.size(); ++back) {
+    const auto& [other, believed] = recent_[recent_.size() - 1 - back];
+    if (!agrees(other, packet, static_cast<int>(back))) continue;
+    ++agreeing;
+    goes_on = goes_on || believed;
+    if (in_a_row == static_cast<int>(back)) ++in_a_row;
   }
+  const bool is_new = !believed_ || index_step(believed_->index, packet.index) != 0;
+  const bool is_believed = is_new && agreeing >= kWitnesses && (usual || in_a_row >= kWitnesses);
+  recent_.emplace_back(packet, is_believed);
+  if (recent_.size() > kRecentPackets) recent_.pop_front();
   ++refused_since_;
-  refused_.push_back(packet);
-  if (refused_.size() > 3) refused_.pop_front();
-  if (refused_.size() < 3 || !agrees(refused_[0], refused_[1], 0) || !agrees(refused_[1], refused_[2], 0))
-    return Verdict::Refused;
-  const bool continues =
-      reference_ && index_step(reference_->index, packet.index) <= kLargestIndexStep + refused_since_ &&
-      std::abs(packet.ticks() - reference_->ticks()) <= kLargestTicksPerPacket * (refused_since_ + 1);
-  const bool first = !reference_;
-  reference_ = packet;
-  accelerometer_length_ = acc;
-  magnetometer_length_ = mag;
+  if (!is_believed) return Verdict::Refused;
+  goes_on = goes_on || !believed_ ||
+            (index_step(believed_->index, packet.index) <= kLargestIndexStep + refused_since_ &&
+             std::abs(packet.ticks() - believed_->ticks()) <= kLargestTicksPerPacket * refused_since_);
+  // The usual lengths follow slowly: a device that is not calibrated has other lengths in other directions.
+  const double share = usual ? 0.05 : 1;
+  accelerometer_length_ += share * (acc - accelerometer_length_);
+  magnetometer_length_ += share * (mag - magnetometer_length_);
+  believed_ = packet;
   refused_since_ = 0;
-  refused_.clear();
-  return continues || first ? Verdict::Good : Verdict::Restarted;
+  return goes_on ? Verdict::Good : Verdict::Restarted;
 }
 
 }  // namespace batten

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -67,10 +68,11 @@ FormRecognition recognise_form(const std::vector<std::string>& packets);
 
 /// Decides packet by packet, as they come, which to believe: for the live view.
 ///
-/// A packet is refused where constant control bytes differ, the index does not go on by 1 … 20, ticks change
-/// by more than 60 per packet, a vector differs from its usual length by more than 20 %, or by more than 0.3
-/// of it from the one before. Three refused packets that agree among themselves become the new reference, so
-/// that one wrong packet that was believed cannot keep out all later ones.
+/// Two packets agree where their control bytes are equal, the index goes on by 1 … 20, ticks change by at
+/// most 60 per packet, and no vector by more than 0.3 of its length. A packet is believed that agrees with
+/// two of the five before it, believed or not, and whose vectors differ from their usual length by at most 20
+/// %: a wrong packet that was believed keeps out none of the later ones. Two packets and a third that follow
+/// each other and agree set the usual lengths anew.
 class PacketGate {
  public:
   enum class Verdict { Good, Refused, Restarted };
@@ -81,9 +83,9 @@ class PacketGate {
  private:
   bool agrees(const MorphoriderPacket& from, const MorphoriderPacket& to, int packets_between) const;
 
-  std::optional<MorphoriderPacket> reference_;
+  std::deque<std::pair<MorphoriderPacket, bool>> recent_;  ///< the last of all, and which are believed
+  std::optional<MorphoriderPacket> believed_;              ///< the last that is
   int refused_since_ = 0;
-  std::deque<MorphoriderPacket> refused_;  ///< the last three
   double accelerometer_length_ = 0, magnetometer_length_ = 0;
 };
 

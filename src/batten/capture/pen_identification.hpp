@@ -33,6 +33,7 @@ enum class IdentificationState {
   None,       ///< no pose fits two LEDs in both cameras
 };
 
+/// Which blobs are which LEDs, and the pose that follows.
 struct Identification {
   IdentificationState state = IdentificationState::None;
   PoseEstimate estimate;  ///< of the best pose, but with None

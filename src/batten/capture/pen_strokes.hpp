@@ -30,6 +30,7 @@ struct PenStroke {
   double from = 0, to = 0;  ///< seconds
 };
 
+/// The strokes of a track, and what was left out of them.
 struct PenStrokes {
   std::vector<PenStroke> strokes;
   long slips = 0;   ///< too short

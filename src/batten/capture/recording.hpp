@@ -36,7 +36,7 @@ struct CaptureEvent {
 };
 
 /// `12.345678,device,packet,0a0b…` with a line end. Text has everything but printable ASCII, and the
-/// backslash, as \xHH, so that any payload makes one line and comes back as it was.
+/// backslash, as `\xHH`, so that any payload makes one line and comes back as it was.
 std::string format_event(const CaptureEvent& event);
 /// @throws InvalidInput in words when the line (without its end) is no event.
 CaptureEvent parse_event(std::string_view line);

@@ -30,6 +30,7 @@ struct MotionOptions {
 /// A motion of a device along curves, as a function of time, with the keys that a person presses meanwhile.
 class DeviceMotion {
  public:
+  /// The device at one moment.
   struct State {
     Eigen::Matrix3d orientation;  ///< device → world
     Eigen::Vector3d rate;         ///< rad/s, device axes
@@ -41,6 +42,7 @@ class DeviceMotion {
   explicit DeviceMotion(const SensorLog& log, const MotionOptions& options = {});
 
   double duration() const { return times_.back(); }  ///< seconds
+  /// The device at a time; before the start and behind the end it rests there.
   State at(double seconds) const;
   /// (seconds, key), in order.
   const std::vector<std::pair<double, std::string>>& keys() const { return keys_; }
@@ -102,12 +104,14 @@ class SimulatedDevice {
   /// @throws InvalidInput when an option is out of range.
   SimulatedDevice(DeviceMotion motion, const SimulatedDeviceOptions& options);
 
+  /// Takes bytes that the computer sends.
   void receive(std::string_view bytes, std::int64_t now_us);
   /// What has arrived at the computer by now and was not fetched before.
   std::string transmit(std::int64_t now_us);
   /// When transmit() has something next, or far in the future where that depends on requests.
   std::int64_t next_transmission_us(std::int64_t now_us);
 
+  /// Whether the cable is in: not within a fault that pulls it.
   bool plugged(std::int64_t now_us) const;
   bool finished(std::int64_t now_us) const;  ///< the motion is over
   /// Keys pressed by now and not fetched before, with their times.

@@ -56,7 +56,7 @@ std::unique_ptr<Source> make_line_source(StreamOpener open_stream, HostClock& cl
 /// Gives the events of a recording with their own times, as the clock reaches them.
 std::unique_ptr<Source> make_replay_source(Recording recording, HostClock& clock);
 
-/// The SOURCE of the command line, taken apart: KIND:ADDRESS[@BAUD][?OPTION=VALUE&…].
+/// The SOURCE of the command line, taken apart: `KIND:ADDRESS[@BAUD][?OPTION=VALUE&…]`.
 struct SourceSpec {
   enum class Kind { Morphorider, Line, WebSocket, Udp, File, Simulator };
 

@@ -145,6 +145,12 @@ struct TakenFrame {
   std::vector<SeenLight> lights;
 };
 
+/// Two normal numbers, one after the other: compilers draw the arguments of one call in orders of their own.
+Eigen::Vector2d drawn2(Random& noise) {
+  const double y = noise.normal(), x = noise.normal();
+  return {x, y};
+}
+
 /// Adds the image of a light with its noise.
 void add_light(const Scene& scene, const ExposedWay& exposed, double depth, double cosine, Random& noise,
                TakenFrame& taken) {
@@ -154,7 +160,7 @@ void add_light(const Scene& scene, const ExposedWay& exposed, double depth, doub
     taken.lights.push_back({SeenLight::Kind::Led, exposed.way, spot.sigma, spot.peak});
   if (!is_inside(camera, exposed.mean)) return;
   Blob blob;
-  const Eigen::Vector2d draw(noise.normal(), noise.normal());
+  const Eigen::Vector2d draw = drawn2(noise);
   if (scene.options.rig == PenRig::Wiimote) {
     blob.pixel = exposed.mean + kWiimoteSigma * draw;
     for (double& value : blob.pixel) value = std::round(value / kWiimoteStep) * kWiimoteStep;
@@ -244,8 +250,7 @@ void add_disturbances(const Scene& scene, TakenFrame& taken, Random& noise) {
     if (scene.options.images)
       taken.lights.push_back({SeenLight::Kind::Sun, {pixel}, kSunRadius * camera.width, 0});
     if (is_inside(camera, pixel))
-      frame.blobs.push_back({pixel + sigma * Eigen::Vector2d(noise.normal(), noise.normal()),
-                             sigma * sigma * Eigen::Matrix2d::Identity()});
+      frame.blobs.push_back({pixel + sigma * drawn2(noise), sigma * sigma * Eigen::Matrix2d::Identity()});
   }
 }
 
@@ -365,10 +370,10 @@ SimulatedPen simulate_pen(const std::vector<Points>& strokes, const SimulatePenO
   // A shiny wall beside the pen.
   scene.mirror_normal = (Eigen::Vector3d(1, 0, 0) + 0.3 * random.direction()).normalized();
   scene.mirror_offset = scene.mirror_normal.dot(middle) + 0.08 * options.motion.distance / 0.6;
-  for (int k = 1; k < options.false_blobs; k += 2)
-    scene.lamps.push_back(middle + options.motion.distance * Eigen::Vector3d(random.uniform(-0.2, 0.2),
-                                                                             random.uniform(-0.15, 0.15),
-                                                                             random.uniform(0.0, 0.3)));
+  for (int k = 1; k < options.false_blobs; k += 2) {
+    const double z = random.uniform(0.0, 0.3), y = random.uniform(-0.15, 0.15), x = random.uniform(-0.2, 0.2);
+    scene.lamps.push_back(middle + options.motion.distance * Eigen::Vector3d(x, y, z));
+  }
   result.recording.width = result.nominal.left.width;
   result.recording.height = result.nominal.left.height;
   take_frames(scene, result);

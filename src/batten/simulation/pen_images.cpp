@@ -37,7 +37,9 @@ LevelImage room_of(const Camera& camera, std::uint64_t seed, const AmbientLight&
   Random random(seed, kRoom);
   const double heading = random.uniform(0, 2 * kPi);
   const Eigen::Vector2d along(std::cos(heading), std::sin(heading));
-  const Eigen::Vector2d patch(random.uniform(0, camera.width), random.uniform(0, camera.height));
+  // One after the other: a compiler may draw the arguments of a call in any order.
+  const double patch_y = random.uniform(0, camera.height), patch_x = random.uniform(0, camera.width);
+  const Eigen::Vector2d patch(patch_x, patch_y);
   const double width = kPatchWidth * camera.width;
   LevelImage room{camera.width, camera.height, {}};
   room.levels.resize(static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height));

@@ -57,6 +57,7 @@ class PenMotion {
             const PenMotionOptions& options);
 
   double duration() const { return step_ * static_cast<double>(poses_.size() - 1); }
+  /// The pose at a time, 0 … duration().
   PenPose at(double time) const;
   /// When the button is held down: pairs of times.
   const std::vector<std::pair<double, double>>& drawing() const { return drawing_; }

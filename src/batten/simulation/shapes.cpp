@@ -15,9 +15,12 @@ namespace {
 // Knots of the traced curves, in diameters: small against every radius of curvature of the shapes.
 constexpr double kTraceStep = 0.005;
 
-double shape_diameter(AnalyticShape shape) {
-  const TriangleMesh mesh = detail::build_mesh(shape, 0.03).finish(shape_function(shape));
-  return bounding_box_diagonal(mesh.positions);
+constexpr double kCoarseEdge = 0.03;  // in the unit of the shapes, which are 1.7 to 17 across
+// As surface_network() refuses by default; they take 2 GB.
+constexpr double kMostTriangles = 20e6;
+
+TriangleMesh coarse_mesh(AnalyticShape shape) {
+  return detail::build_mesh(shape, kCoarseEdge).finish(shape_function(shape));
 }
 
 }  // namespace
@@ -25,7 +28,7 @@ double shape_diameter(AnalyticShape shape) {
 TracedNetwork trace_shape(AnalyticShape shape) {
   TracedNetwork traced;
   traced.name = word_of(shape);
-  traced.diameter = shape_diameter(shape);
+  traced.diameter = bounding_box_diagonal(coarse_mesh(shape).positions);
   const ImplicitFunction surface = shape_function(shape);
   const std::vector<detail::ShapeSection> sections = detail::sections_of(shape);
   std::vector<ImplicitFunction> cuts;
@@ -54,7 +57,13 @@ TriangleMesh shape_mesh(AnalyticShape shape, double edge_length) {
   if (!(edge_length > 0 && edge_length <= 0.2))
     throw InvalidInput(
         concat("the edge length of a shape's mesh must lie in (0, 0.2] diameters, got ", edge_length));
-  return detail::build_mesh(shape, edge_length * shape_diameter(shape)).finish(shape_function(shape));
+  const TriangleMesh coarse = coarse_mesh(shape);
+  const double length = edge_length * bounding_box_diagonal(coarse.positions);
+  const double ratio = kCoarseEdge / length;
+  if (const double n = static_cast<double>(coarse.n_triangles()) * ratio * ratio; n > kMostTriangles)
+    throw InvalidInput(concat("edges of ", edge_length, " diameters would give the true mesh about ", n,
+                              " triangles, more than ", kMostTriangles, "; use longer ones"));
+  return detail::build_mesh(shape, length).finish(shape_function(shape));
 }
 
 }  // namespace batten

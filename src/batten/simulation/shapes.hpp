@@ -29,7 +29,7 @@ TracedNetwork trace_shape(AnalyticShape shape);
 
 /// A triangle mesh of a shape; every vertex lies on the surface to rounding and carries the exact normal.
 /// @param edge_length of the triangles, about, in diameters; (0, 0.2].
-/// @throws InvalidInput when edge_length is out of range.
+/// @throws InvalidInput when edge_length is out of range, or would give more than 20 million triangles.
 TriangleMesh shape_mesh(AnalyticShape shape, double edge_length = 0.004);
 
 /// f(x) of the surface f = 0; positive outside (above, for height fields), ∇f outward.

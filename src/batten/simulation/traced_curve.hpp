@@ -23,6 +23,7 @@ struct CurvePoint {
 class ArcLengthCurve {
  public:
   virtual ~ArcLengthCurve() = default;
+  /// Of the whole curve, in the unit of its shape.
   virtual double length() const = 0;
   /// @param distance from the start; 0 … length(), values outside are moved to the nearer end.
   virtual CurvePoint at(double distance) const = 0;

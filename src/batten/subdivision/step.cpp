@@ -58,7 +58,7 @@
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
 
-#if defined(__SANITIZE_ADDRESS__)
+#if defined(BATTEN_SANITIZED)
 /// Open Cascade never frees some tables of its readers and writers; the leak check of our own code stays.
 extern "C" const char* __lsan_default_suppressions();
 extern "C" const char* __lsan_default_suppressions() {
