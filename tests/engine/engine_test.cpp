@@ -445,7 +445,7 @@ TEST(Engine, UndoesAndRedoesAnythingBitForBit) {
 }
 
 TEST(Engine, GivesBackItsMemoryWhenModelsAreClosed) {
-#if defined(__SANITIZE_ADDRESS__) || !defined(__GLIBC__)
+#if defined(BATTEN_SANITIZED) || !defined(__GLIBC__)
   GTEST_SKIP() << "sanitizers keep their own account of memory";
 #else
   constexpr int kSide = 175;  // 2 · 174² triangles

@@ -60,6 +60,9 @@ export class App {
   readonly hasServer = signal(false);
   private server: Server | null = null;
   private offered = false;
+  /** What is being computed at this moment, and the mesh that distances are measured to. */
+  private colouring: { drawn: Drawn; shading: string } | null = null;
+  private distanceTo: { object: string; truth: string } | null = null;
   /** Places with something to be said of them. */
   readonly pins = signal<Pin[]>([]);
   view: View | null = null;
@@ -103,6 +106,7 @@ export class App {
       view.setLook({ shading, stripes: look.stripes, flat: look.flat, curves: look.curves, nodes: true });
     });
     effect(() => view.setValues(this.store.values.value));
+    effect(() => this.colour());
     effect(() => {
       const found = this.store.continuity.value;
       void this.store.drawn.value;
@@ -280,18 +284,37 @@ export class App {
 
   // ---- looking ----------------------------------------------------------------------------------------------------
 
-  async setLook(patch: Partial<Look>): Promise<void> {
+  /** Colours that have to be computed follow (see `colour`). */
+  setLook(patch: Partial<Look>): void {
     this.look.value = { ...this.look.value, ...patch };
-    const object = this.store.selectedObject.value;
-    const { shading } = this.look.value;
-    const known = this.store.values.value;
-    if (object && COMPUTED_SHADINGS.includes(shading) && (known?.shading !== shading || known.object !== object.id))
-      if (!(await this.store.computeValues(object.id, shading))) this.look.value = { ...this.look.value, shading: 'shaded' };
   }
 
-  async showDistances(id: string, truth: string): Promise<void> {
-    await this.store.computeDistances(id, truth);
-    this.look.value = { ...this.look.value, shading: 'error' };
+  /** Colours that belong to what is selected: computed when they are asked for, and again when it was made anew. */
+  private colour(): void {
+    const { shading } = this.look.value;
+    const object = this.store.selectedObject.value;
+    const drawn = object && this.store.drawn.value.get(object.id);
+    const known = this.store.values.value;
+    if (!drawn?.mesh || drawn.coarse || (known?.object === drawn.id && known.shading === shading)) return;
+    if (this.colouring?.drawn === drawn && this.colouring.shading === shading) return;
+    let done: Promise<boolean>;
+    if (COMPUTED_SHADINGS.includes(shading)) done = this.store.computeValues(drawn.id, shading);
+    else if (shading === 'error' && this.distanceTo?.object === drawn.id) done = this.store.computeDistances(drawn.id, this.distanceTo.truth);
+    else return;
+    const colouring = { drawn, shading };
+    this.colouring = colouring;
+    void done.then((isDone) => {
+      if (this.colouring !== colouring) return;
+      this.colouring = null;
+      if (!isDone && this.look.value.shading === shading) this.setLook({ shading: 'shaded' });
+    });
+  }
+
+  showDistances(object: string, truth: string): void {
+    this.distanceTo = { object, truth };
+    this.colouring = null; // distances to another mesh may be on their way
+    this.store.values.value = null;
+    this.setLook({ shading: 'error' });
   }
 
   pointAt(id: string, place: [number, number, number]): void {
@@ -303,7 +326,6 @@ export class App {
     this.seen.value = 'after';
     this.view?.setPin(id, null);
     await this.store.showAll();
-    await this.setLook({});
   }
 
   async toggleHidden(id: string): Promise<void> {

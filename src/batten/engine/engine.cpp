@@ -13,91 +13,40 @@
 #include "batten/core/index.hpp"
 #include "batten/core/text.hpp"
 #include "batten/core/units.hpp"
-#include "batten/engine/handle_drag_detail.hpp"
-#include "batten/engine/inspection_detail.hpp"
-#include "batten/engine/live_surface_detail.hpp"
+#include "batten/engine/engine_state_detail.hpp"
 #include "batten/engine/opened_file.hpp"
-#include "batten/engine/reply_detail.hpp"
 #include "batten/engine/saved_file.hpp"
 #include "batten/engine/shown_object_detail.hpp"
-#include "batten/engine/tried_edit_detail.hpp"
 #include "batten/render/colour.hpp"
-#include "batten/render/render.hpp"
-#include "batten/session/document.hpp"
 #include "batten/session/edit_json.hpp"
 #include "batten/session/journal.hpp"
 #include "batten/session/playing.hpp"
 #include "batten/session/project.hpp"
-#include "batten/session/results.hpp"
 #include "batten/sketch/stroke.hpp"
 
 namespace batten {
 
 using detail::Draft;
+using detail::field;
+using detail::flag_of;
 using detail::Json;
 using detail::json_of;
+using detail::number_of;
+using detail::text_of;
 
 namespace {
 
-// An angle and a length where messages do not give them; those of `batten render` and of a preview.
-constexpr double kContinuityTolerance = radians(0.5);
+// An edge length where a message does not give it: that of a preview.
 constexpr double kLiveEdgeLength = 0.02;
-// Crosses of principal directions where a message does not say: as many as can be told apart.
-constexpr double kMostDirections = 4000;
 
 std::string id_text(ObjectId id) {
   return concat("o", id.number);
-}
-
-const Json& field(const Json& message, const char* name) {
-  const auto found = message.find(name);
-  if (found == message.end()) throw InvalidInput(concat("the message has no '", name, "'"));
-  return *found;
-}
-
-std::string text_of(const Json& message, const char* name) {
-  const Json& value = field(message, name);
-  if (!value.is_string()) throw InvalidInput(concat("'", name, "' of the message must be text"));
-  return value.get<std::string>();
-}
-
-double number_of(const Json& message, const char* name, double otherwise) {
-  const auto found = message.find(name);
-  if (found == message.end()) return otherwise;
-  if (!found->is_number()) throw InvalidInput(concat("'", name, "' of the message must be a number"));
-  return found->get<double>();
-}
-
-Eigen::Vector3d point_of(const Json& message, const char* name) {
-  const Json& value = field(message, name);
-  Eigen::Vector3d point;
-  for (int k = 0; k < 3; ++k) {
-    if (!value.is_array() || value.size() != 3 || !value[at(k)].is_number())
-      throw InvalidInput(concat("'", name, "' of the message must be three numbers"));
-    point[k] = value[at(k)].get<double>();
-  }
-  return point;
-}
-Eigen::Vector3d point_of(const Json& message, const char* name, const Eigen::Vector3d& otherwise) {
-  return message.contains(name) ? point_of(message, name) : otherwise;
-}
-
-bool flag_of(const Json& message, const char* name) {
-  const auto found = message.find(name);
-  return found != message.end() && found->is_boolean() && found->get<bool>();
 }
 
 Json ids_of(const std::vector<ObjectId>& ids) {
   Json list = Json::array();
   for (const ObjectId id : ids) list.push_back(id_text(id));
   return list;
-}
-
-/// A name that no object of the document has yet: "hull", "hull 2", …
-std::string free_name(const Document& document, const std::string& wanted) {
-  std::string name = wanted;
-  for (int k = 2; document.find(name).number != 0; ++k) name = concat(wanted, " ", k);
-  return name;
 }
 
 /// Whether what a request makes is a surface of patches, which programs for CAD take.
@@ -112,109 +61,78 @@ Json failure(const char* kind, const std::string& message) {
 
 }  // namespace
 
-struct Engine::State {
-  Document document;
-  Results results;
-  detail::LiveSurface live;
-  detail::HandleDrag held;
-  FormatStep format_step;
+ObjectId Engine::State::object_of(const Json& message, const char* name) const {
+  const std::string text = text_of(message, name);
+  long number = 0;
+  if (text.size() < 2 || text[0] != 'o' || !parse_integer(std::string_view(text).substr(1), number))
+    throw InvalidInput(concat("'", name, "' must be the id of an object, such as \"o3\", got '", text, "'"));
+  const ObjectId id{static_cast<int>(number)};
+  if (document.find(id) == nullptr) throw InvalidInput(concat("there is no object '", text, "'"));
+  return id;
+}
 
-  /// The object that a message names.
-  ObjectId object_of(const Json& message, const char* name = "object") const {
-    const std::string text = text_of(message, name);
-    long number = 0;
-    if (text.size() < 2 || text[0] != 'o' || !parse_integer(std::string_view(text).substr(1), number))
-      throw InvalidInput(
-          concat("'", name, "' must be the id of an object, such as \"o3\", got '", text, "'"));
-    const ObjectId id{static_cast<int>(number)};
-    if (document.find(id) == nullptr) throw InvalidInput(concat("there is no object '", text, "'"));
-    return id;
-  }
+SharedMesh Engine::State::mesh(ObjectId id, const Progress& progress) {
+  if (document.object(id).kind() != ObjectKind::Mesh)
+    throw InvalidInput(concat("'", document.object(id).name, "' is a ", word_of(document.object(id).kind()),
+                              "; this needs a mesh"));
+  return std::get<SharedMesh>(content(id, progress));
+}
 
-  Content content(ObjectId id, const Progress& progress) { return results.content(document, id, progress); }
-  SharedMesh mesh(ObjectId id, const Progress& progress) {
-    if (document.object(id).kind() != ObjectKind::Mesh)
-      throw InvalidInput(concat("'", document.object(id).name, "' is a ", word_of(document.object(id).kind()),
-                                "; this needs a mesh"));
-    return std::get<SharedMesh>(content(id, progress));
+std::shared_ptr<const CurveNetwork> Engine::State::curves_of(const Json& message, const Progress& progress) {
+  const ObjectId id = object_of(message, message.contains("curves") ? "curves" : "object");
+  const Object& object = document.object(id);
+  if (object.kind() == ObjectKind::Network) return std::get<SharedNetwork>(content(id, progress));
+  if (object.kind() == ObjectKind::Model)
+    return std::make_shared<CurveNetwork>(detail::curves_of(document.model(id)));
+  if (const Derived* derived = object.derived()) {
+    if (document.object(derived->source).kind() == ObjectKind::Model)
+      return std::make_shared<CurveNetwork>(detail::curves_of(document.model(derived->source)));
+    const std::shared_ptr<const RequestResult> result = results.get(document, id, progress);
+    if (const auto* made = std::get_if<CurvesSurface>(result.get())) return {result, &made->network};
   }
+  throw InvalidInput(
+      concat("'", object.name, "' was not made of curves; name the network of its curves as 'curves'"));
+}
 
-  /// The curves of an object: its own, those that a surface was made of, those that were drawn, or those of
-  /// the network that the message names as `curves`.
-  std::shared_ptr<const CurveNetwork> curves_of(const Json& message, const Progress& progress) {
-    const ObjectId id = object_of(message, message.contains("curves") ? "curves" : "object");
-    const Object& object = document.object(id);
-    if (object.kind() == ObjectKind::Network) return std::get<SharedNetwork>(content(id, progress));
-    if (object.kind() == ObjectKind::Model)
-      return std::make_shared<CurveNetwork>(detail::curves_of(document.model(id)));
-    if (const Derived* derived = object.derived()) {
-      if (document.object(derived->source).kind() == ObjectKind::Model)
-        return std::make_shared<CurveNetwork>(detail::curves_of(document.model(derived->source)));
-      const std::shared_ptr<const RequestResult> result = results.get(document, id, progress);
-      if (const auto* made = std::get_if<CurvesSurface>(result.get())) return {result, &made->network};
-    }
-    throw InvalidInput(
-        concat("'", object.name, "' was not made of curves; name the network of its curves as 'curves'"));
+Eigen::RowVector3d Engine::State::origin_of(ObjectId id, const Progress& progress) {
+  const Object& object = document.object(id);
+  if (object.kind() == ObjectKind::Model)
+    return detail::middle_of(detail::curves_of(document.model(id)).positions);
+  if (const Derived* derived = object.derived()) {
+    if (document.object(derived->source).kind() == ObjectKind::Model)
+      return origin_of(derived->source, progress);
+    const std::shared_ptr<const RequestResult> result = results.get(document, id, progress);
+    if (const auto* made = std::get_if<CurvesSurface>(result.get()))
+      return detail::middle_of(made->network.positions);
   }
-  /// What the drawn coordinates of an object are less.
-  Eigen::RowVector3d origin_of(ObjectId id, const Progress& progress) {
-    const Object& object = document.object(id);
-    if (object.kind() == ObjectKind::Model)
-      return detail::middle_of(detail::curves_of(document.model(id)).positions);
-    if (const Derived* derived = object.derived()) {
-      if (document.object(derived->source).kind() == ObjectKind::Model)
-        return origin_of(derived->source, progress);
-      const std::shared_ptr<const RequestResult> result = results.get(document, id, progress);
-      if (const auto* made = std::get_if<CurvesSurface>(result.get()))
-        return detail::middle_of(made->network.positions);
-    }
-    const Content shown = content(id, progress);
-    if (const auto* network = std::get_if<SharedNetwork>(&shown))
-      return detail::middle_of((*network)->positions);
-    if (const auto* mesh = std::get_if<SharedMesh>(&shown)) return detail::middle_of((*mesh)->positions);
-    return Eigen::RowVector3d::Zero();
-  }
+  const Content shown = content(id, progress);
+  if (const auto* network = std::get_if<SharedNetwork>(&shown))
+    return detail::middle_of((*network)->positions);
+  if (const auto* mesh = std::get_if<SharedMesh>(&shown)) return detail::middle_of((*mesh)->positions);
+  return Eigen::RowVector3d::Zero();
+}
 
-  void apply(Draft& draft, const Edit& edit) {
-    const EditOutcome outcome = document.apply(edit);
-    draft.json["object"] = outcome.object.number == 0 ? Json() : Json(id_text(outcome.object));
-    draft.json["changed"] = ids_of(outcome.changed);
-    draft.json["outdated"] = ids_of(outcome.outdated);
-  }
+void Engine::State::apply(Draft& draft, const Edit& edit) {
+  const EditOutcome outcome = document.apply(edit);
+  draft.json["object"] = outcome.object.number == 0 ? Json() : Json(id_text(outcome.object));
+  draft.json["changed"] = ids_of(outcome.changed);
+  draft.json["outdated"] = ids_of(outcome.outdated);
+}
 
-  /// Another project in place of this one, with nothing kept of it.
-  void replace(Draft& draft, Document other, Json warnings) {
-    document = std::move(other);
-    results = {};
-    live = {};
-    held = {};
-    draft.json["warnings"] = std::move(warnings);
-    draft.json["replaced"] = true;
-  }
+void Engine::State::replace(Draft& draft, Document other, Json warnings) {
+  document = std::move(other);
+  results = {};
+  live = {};
+  held = {};
+  draft.json["warnings"] = std::move(warnings);
+  draft.json["replaced"] = true;
+}
 
-  // The messages, each with its name.
-  void open(Draft& draft, const Json& message, std::string_view bytes, const Progress& progress);
-  void play(Draft& draft, const std::string& name, std::string_view bytes, const Progress& progress);
-  void edit(Draft& draft, const Json& message);
-  void describe(Draft& draft) const;
-  void show(Draft& draft, const Json& message, const Progress& progress);
-  void follow(Draft& draft, const Json& message, const Progress& progress);
-  /// The surface of a scan once more, with its deviations as values.
-  TriangleMesh with_uncertainty(ObjectId id, const Progress& progress);
-  void values(Draft& draft, const Json& message, const Progress& progress);
-  void continuity(Draft& draft, const Json& message, const Progress& progress);
-  void distances(Draft& draft, const Json& message, const Progress& progress);
-  void combs(Draft& draft, const Json& message, const Progress& progress);
-  void directions(Draft& draft, const Json& message, const Progress& progress);
-  void section(Draft& draft, const Json& message, const Progress& progress);
-  void grab(Draft& draft, const Json& message, const Progress& progress);
-  void pull(Draft& draft, const Json& message, const Progress& progress);
-  void try_edit(Draft& draft, const Json& message) const;
-  void save(Draft& draft, const Json& message, const Progress& progress);
-  void colours(Draft& draft) const;
-  void length(Draft& draft, const Json& message) const;
-  void carry_out(Draft& draft, std::string_view text, std::string_view bytes, const Progress& progress);
-};
+std::string Engine::State::free_name(const std::string& wanted) const {
+  std::string name = wanted;
+  for (int k = 2; document.find(name).number != 0; ++k) name = concat(wanted, " ", k);
+  return name;
+}
 
 /// A recorded session as the project that it makes; edits that are refused are warnings, as in `batten
 /// sketch`.
@@ -241,7 +159,7 @@ void Engine::State::open(Draft& draft, const Json& message, std::string_view byt
   if (name.ends_with(".jsonl")) return play(draft, name, bytes, progress);
   OpenedFile file = open_file(std::string(bytes), name);
   draft.json["warnings"] = file.warnings;
-  apply(draft, AddEdit{{}, free_name(document, file.name), file.unit, std::move(file.content)});
+  apply(draft, AddEdit{{}, free_name(file.name), file.unit, std::move(file.content)});
 }
 
 void Engine::State::edit(Draft& draft, const Json& message) {
@@ -252,7 +170,7 @@ void Engine::State::edit(Draft& draft, const Json& message) {
         if constexpr (requires { one.drag; }) one.drag = drag;
       },
       edit);
-  if (auto* derive = std::get_if<DeriveEdit>(&edit)) derive->name = free_name(document, derive->name);
+  if (auto* derive = std::get_if<DeriveEdit>(&edit)) derive->name = free_name(derive->name);
   apply(draft, edit);
 }
 
@@ -315,30 +233,7 @@ void Engine::State::show(Draft& draft, const Json& message, const Progress& prog
   } else {
     detail::draw(draft, content_of(result));
   }
-  if (const auto* made = std::get_if<ScanNetwork>(result.get())) {
-    const ScanReport& report = made->report;
-    draft.json["report"] = {{"lambda", json_of(report.lambda)},
-                            {"mu", json_of(report.mu)},
-                            {"weights_reason", report.weights_reason},
-                            {"step", json_of(report.step)},
-                            {"size", json_of(report.size)},
-                            {"n_readings", report.n_readings},
-                            {"n_samples", report.n_samples},
-                            {"outliers", report.outliers},
-                            {"distrusted", report.distrusted},
-                            {"misfit_before", json_of(report.closure_misfit_before)},
-                            {"misfit", json_of(report.closure_misfit)}};
-  }
-  if (const auto* mended = std::get_if<RepairedMesh>(result.get())) {
-    draft.json["done"] = mended->done;
-    draft.json["flaws"] = mended->flaws;
-    draft.json["warnings"] = mended->warnings;
-  }
-  const StageTimes times = times_of(*result);
-  Json stages = Json::array();
-  for (const auto& [stage, seconds] : times.stages())
-    stages.push_back({{"stage", stage}, {"seconds", seconds}});
-  draft.json["times"] = std::move(stages);
+  detail::add_report(draft, *result);
 }
 
 void Engine::State::follow(Draft& draft, const Json& message, const Progress& progress) {
@@ -369,107 +264,6 @@ void Engine::State::follow(Draft& draft, const Json& message, const Progress& pr
   if (shown.rebuilt || flag_of(message, "triangles"))
     draft.add_triangles("triangles", shown.surface->mesh.triangles);
   detail::draw_network(draft, *shown.network, origin);
-}
-
-TriangleMesh Engine::State::with_uncertainty(ObjectId id, const Progress& progress) {
-  const Derived* surface = document.object(id).derived();
-  const Derived* network = surface == nullptr ? nullptr : document.object(surface->source).derived();
-  const auto* asked = surface == nullptr ? nullptr : std::get_if<SurfaceRequest>(surface->request.get());
-  const auto* scanned = network == nullptr ? nullptr : std::get_if<NetworkRequest>(network->request.get());
-  if (asked == nullptr || scanned == nullptr)
-    throw InvalidInput(concat("how sure '", document.object(id).name,
-                              "' is cannot be told: only surfaces made of a scan carry it"));
-  ScanOptions options = scanned->options;
-  options.uncertainty = true;
-  if (options.weights != WeightChoice::Auto)
-    throw InvalidInput(
-        "how sure a surface is follows from automatic weights alone; set weights to automatic");
-  const ScanNetwork made =
-      network_from_scan(*std::get<SharedScan>(content(network->source, progress)), options, progress);
-  NetworkSurface known = uncertain_surface(made.network, *made.uncertainty, asked->surface, progress);
-  if (known.mesh.n_vertices() != mesh(id, progress)->n_vertices())
-    throw InvalidInput(
-        "the curves of this surface were mended, which leaves their uncertainty without places");
-  return std::move(known.mesh);
-}
-
-void Engine::State::values(Draft& draft, const Json& message, const Progress& progress) {
-  const ObjectId id = object_of(message);
-  const SharedMesh surface = mesh(id, progress);
-  const std::string shading = text_of(message, "shading");
-  if (shading == word_of(Shading::Uncertainty) && !surface->vertex_values.contains("uncertainty")) {
-    const TriangleMesh known = with_uncertainty(id, progress);
-    detail::add_values(draft, known, shading);
-    return;
-  }
-  detail::add_values(draft, *surface, shading);
-}
-
-void Engine::State::continuity(Draft& draft, const Json& message, const Progress& progress) {
-  const ObjectId id = object_of(message);
-  const SharedMesh surface = mesh(id, progress);
-  const double tolerance = number_of(message, "tolerance", kContinuityTolerance);
-  const std::shared_ptr<const CurveNetwork> curves = curves_of(message, progress);
-  detail::add_continuity(draft, *surface, *curves, tolerance, origin_of(id, progress), progress);
-}
-
-void Engine::State::distances(Draft& draft, const Json& message, const Progress& progress) {
-  detail::add_distances(draft, *mesh(object_of(message), progress),
-                        *mesh(object_of(message, "truth"), progress), progress);
-}
-
-void Engine::State::combs(Draft& draft, const Json& message, const Progress& progress) {
-  const Eigen::RowVector3d origin = origin_of(object_of(message), progress);
-  draft.json["origin"] = json_of(origin);
-  detail::add_combs(draft, *curves_of(message, progress), origin);
-}
-
-void Engine::State::directions(Draft& draft, const Json& message, const Progress& progress) {
-  const ObjectId id = object_of(message);
-  const Eigen::RowVector3d origin = origin_of(id, progress);
-  draft.json["origin"] = json_of(origin);
-  const double most = number_of(message, "most", kMostDirections);
-  detail::add_directions(draft, *mesh(id, progress), static_cast<Eigen::Index>(std::clamp(most, 0.0, 1e9)),
-                         origin);
-}
-
-void Engine::State::section(Draft& draft, const Json& message, const Progress& progress) {
-  const ObjectId id = object_of(message);
-  const Eigen::RowVector3d origin = origin_of(id, progress);
-  draft.json["origin"] = json_of(origin);
-  CurveNetwork cut = detail::add_section(draft, *mesh(id, progress), point_of(message, "normal"),
-                                         number_of(message, "offset", 0), origin);
-  if (!message.contains("name")) return;
-  if (cut.curves.empty()) throw InvalidInput("the plane does not cut the mesh; move it");
-  const AddEdit add{{},
-                    free_name(document, text_of(message, "name")),
-                    document.unit(id),
-                    std::make_shared<const CurveNetwork>(std::move(cut))};
-  draft.json["edit"] = Json::parse(format_edit(add));
-}
-
-void Engine::State::grab(Draft& draft, const Json& message, const Progress& progress) {
-  const auto energy = message.contains("energy") ? parse_choice<DeformationEnergy>(text_of(message, "energy"))
-                                                 : DeformOptions{}.energy;
-  held.grab(mesh(object_of(message), progress), point_of(message, "at"), number_of(message, "radius", 0),
-            number_of(message, "reach", 0), energy, progress);
-  held.add_grabbed(draft);
-}
-
-void Engine::State::pull(Draft& draft, const Json& message, const Progress& progress) {
-  HandleMotion motion;
-  motion.translation = point_of(message, "translation", motion.translation);
-  motion.axis = point_of(message, "axis", motion.axis);
-  motion.angle = number_of(message, "angle", 0);
-  motion.about = point_of(message, "about", motion.about);
-  held.pull(draft, motion, progress);
-}
-
-void Engine::State::try_edit(Draft& draft, const Json& message) const {
-  const Edit edit = parse_edit(field(message, "edit").dump());
-  const auto* drawn = std::get_if<ModelEdit>(&edit);
-  if (drawn == nullptr) throw InvalidInput("only edits of models can be tried");
-  detail::add_tried(draft, document.model(drawn->object), drawn->edit);
 }
 
 void Engine::State::save(Draft& draft, const Json& message, const Progress& progress) {

@@ -216,4 +216,31 @@ void draw(Draft& draft, const Content& content) {
   }
 }
 
+void add_report(Draft& draft, const RequestResult& result) {
+  if (const auto* made = std::get_if<ScanNetwork>(&result)) {
+    const ScanReport& report = made->report;
+    draft.json["report"] = {{"lambda", json_of(report.lambda)},
+                            {"mu", json_of(report.mu)},
+                            {"weights_reason", report.weights_reason},
+                            {"step", json_of(report.step)},
+                            {"size", json_of(report.size)},
+                            {"n_readings", report.n_readings},
+                            {"n_samples", report.n_samples},
+                            {"outliers", report.outliers},
+                            {"distrusted", report.distrusted},
+                            {"misfit_before", json_of(report.closure_misfit_before)},
+                            {"misfit", json_of(report.closure_misfit)}};
+  }
+  if (const auto* mended = std::get_if<RepairedMesh>(&result)) {
+    draft.json["done"] = mended->done;
+    draft.json["flaws"] = mended->flaws;
+    draft.json["warnings"] = mended->warnings;
+  }
+  const StageTimes times = times_of(result);
+  Json stages = Json::array();
+  for (const auto& [stage, seconds] : times.stages())
+    stages.push_back({{"stage", stage}, {"seconds", seconds}});
+  draft.json["times"] = std::move(stages);
+}
+
 }  // namespace batten::detail

@@ -6,6 +6,7 @@
 #include "batten/mesh/triangle_mesh.hpp"
 #include "batten/network/curve_network.hpp"
 #include "batten/session/object.hpp"
+#include "batten/session/results.hpp"
 #include "batten/sketch/polyline_mesh.hpp"
 
 // Private to the room: what objects look like to whoever draws them.
@@ -41,6 +42,10 @@ CurveNetwork curves_of(const PolylineMesh& model);
 /// The same of the drawn curves of a model, a piece for every edge. @return their middle, which is the
 /// origin.
 Eigen::RowVector3d draw_model(Draft& draft, const PolylineMesh& model);
+
+/// What making a result reported: the weights and figures of a scan under "report", what was mended in a mesh
+/// under "done", "flaws" and "warnings", seconds of each stage under "times".
+void add_report(Draft& draft, const RequestResult& result);
 
 /// The whole reply for an object that has content. Its origin is the middle of what is shown.
 void draw(Draft& draft, const Content& content);

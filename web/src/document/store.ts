@@ -279,9 +279,19 @@ export class Store {
   }
 
   /** @returns whether there are such values; else what is missing is told. */
-  async computeValues(id: string, shading: string): Promise<boolean> {
-    const done = await this.guard(shading, async () => {
-      const { json, arrays } = await this.ask(shading, { op: 'values', object: id, shading });
+  computeValues(id: string, shading: string): Promise<boolean> {
+    return this.keepValues(id, shading, shading, { op: 'values', object: id, shading });
+  }
+
+  computeDistances(id: string, truth: string): Promise<boolean> {
+    return this.keepValues(id, 'error', 'distance', { op: 'distances', object: id, truth });
+  }
+
+  private async keepValues(id: string, shading: string, title: string, message: Message): Promise<boolean> {
+    const drawn = this.drawn.value.get(id);
+    const done = await this.guard(title, async () => {
+      const { json, arrays } = await this.ask(title, message);
+      if (this.drawn.value.get(id) !== drawn) return true; // made anew meanwhile: these belong to what was
       this.values.value = {
         object: id,
         shading,
@@ -289,25 +299,11 @@ export class Store {
         low: json.low as number,
         high: json.high as number,
         title: json.title as string,
+        ...(json.mean === undefined ? {} : { figures: { mean: json.mean as number, rms: json.rms as number, max: json.max as number } }),
       };
       return true;
     });
     return done === true;
-  }
-
-  async computeDistances(id: string, truth: string): Promise<void> {
-    await this.guard('distance', async () => {
-      const { json, arrays } = await this.ask('distance', { op: 'distances', object: id, truth });
-      this.values.value = {
-        object: id,
-        shading: 'error',
-        values: arrays.values as Float32Array<ArrayBuffer>,
-        low: json.low as number,
-        high: json.high as number,
-        title: json.title as string,
-        figures: { mean: json.mean as number, rms: json.rms as number, max: json.max as number },
-      };
-    });
   }
 
   async computeContinuity(id: string, tolerance: number, curves?: string): Promise<void> {

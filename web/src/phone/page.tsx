@@ -3,6 +3,7 @@ import { useSignal } from '@preact/signals';
 import { useEffect, useRef } from 'preact/hooks';
 import { download, fileName } from '../document/files';
 import type { Store } from '../document/store';
+import { NumberInput } from '../ui/controls';
 import { milliseconds, short } from '../ui/numbers';
 import { View } from '../view/scene';
 import { pathOf } from './orientation';
@@ -137,17 +138,12 @@ function Overview({ recorder, problem, onSurface }: { recorder: Recorder; proble
                 <div class="row">
                   <label>
                     length{' '}
-                    <input
-                      type="number"
-                      inputMode="decimal"
+                    <NumberInput
+                      label={`Length of ${curve.name}`}
+                      text={String(curve.length ?? '')}
                       min={0}
-                      step="any"
                       placeholder="unknown"
-                      value={curve.length ?? ''}
-                      onChange={(event) => {
-                        const length = Number(event.currentTarget.value);
-                        recorder.change(i, { length: length > 0 ? length : null });
-                      }}
+                      onTyped={(typed) => recorder.change(i, { length: typed !== null && typed > 0 ? typed : null })}
                     />
                   </label>
                   <button type="button" onClick={() => recorder.remove(i)}>

@@ -1,5 +1,5 @@
 /** Controls of a mesh that is pulled at. */
-import { useEffect } from 'preact/hooks';
+import { useEffect, useLayoutEffect } from 'preact/hooks';
 import type { App } from '../app';
 import { Choice, Figures, LengthSlider, Slider } from '../ui/controls';
 import { short } from '../ui/numbers';
@@ -11,7 +11,8 @@ export function BendPart({ app }: { app: App }) {
   const held = bending.held.value;
   const { translation, angle } = bending.motion.value;
   const pulls = bending.tool.value === 'pull';
-  useEffect(() => {
+  // Before the next event, which may be a pointer that goes down.
+  useLayoutEffect(() => {
     app.view?.setTool(pulls ? bending : null);
     return () => app.view?.setTool(null);
   }, [app.view, bending, pulls]);

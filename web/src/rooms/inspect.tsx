@@ -30,7 +30,7 @@ export function InspectPanel({ app }: { app: App }) {
             ...(object.request?.kind === 'surface' ? [['uncertainty', 'how sure it is'] as const] : []),
             ['wireframe', 'triangles'],
           ]}
-          onChange={(shading) => void app.setLook({ shading: shading as Look['shading'] })}
+          onChange={(shading) => app.setLook({ shading: shading as Look['shading'] })}
         />
         <Slider
           label="Stripes"
@@ -39,15 +39,15 @@ export function InspectPanel({ app }: { app: App }) {
           max={120}
           step={1}
           value={look.stripes}
-          onChange={(stripes) => void app.setLook({ stripes })}
+          onChange={(stripes) => app.setLook({ stripes })}
         />
         <Check
           label="Flat triangles"
           help="Each triangle by its own normal: the mesh as it is."
           value={look.flat}
-          onChange={(flat) => void app.setLook({ flat })}
+          onChange={(flat) => app.setLook({ flat })}
         />
-        <Check label="Curves" value={look.curves} onChange={(curves) => void app.setLook({ curves })} />
+        <Check label="Curves" value={look.curves} onChange={(curves) => app.setLook({ curves })} />
       </Section>
       <LinesPart app={app} id={object.id} hasCurves={drawn.curves.length > 0} isMesh={mesh !== undefined} unit={object.unit} version={drawn.version} />
       {mesh && <SectionPart app={app} id={object.id} unit={object.unit} />}
@@ -241,7 +241,7 @@ function DistancePart({ app, id, unit }: { app: App; id: string; unit: string })
         options={[['', 'choose a mesh'] as const, ...others.map((one) => [one.id, one.name] as const)]}
         onChange={(value) => {
           setTruth(value);
-          if (value) void app.showDistances(id, value);
+          if (value) app.showDistances(id, value);
         }}
       />
       {figures && (

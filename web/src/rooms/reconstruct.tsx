@@ -184,7 +184,7 @@ export function ReconstructPanel({ app }: { app: App }) {
           label="How sure it is"
           help="Standard deviations across the surface, as colours. Takes a while, and automatic weights."
           value={app.look.value.shading === 'uncertainty'}
-          onChange={(on) => void app.setLook({ shading: on ? 'uncertainty' : 'shaded' })}
+          onChange={(on) => app.setLook({ shading: on ? 'uncertainty' : 'shaded' })}
         />
         <Distrusted app={app} scanCurves={drawn?.curves.map((curve) => curve.name) ?? []} shares={report?.distrusted ?? []} />
         <Sentences title="Warnings" list={[...(drawn?.flaws ?? []), ...(drawn?.warnings ?? [])]} />

@@ -1,8 +1,8 @@
 /** Curves drawn in space, and the surface that they carry, as they are drawn. */
-import { useEffect, useState } from 'preact/hooks';
+import { useLayoutEffect, useState } from 'preact/hooks';
 import type { App } from '../app';
 import type { CurveEntry, RequestOptions } from '../document/types';
-import { Check, Choice, Figures, LengthSlider, Section, Slider } from '../ui/controls';
+import { Check, Choice, Figures, LengthSlider, NumberInput, Section, Slider } from '../ui/controls';
 import { short } from '../ui/numbers';
 import type { Axis } from '../view/drawing';
 import { Sentences } from './reconstruct';
@@ -50,7 +50,8 @@ export function SketchPanel({ app }: { app: App }) {
   const ground = sketch.ground.value;
   const symmetry = sketch.symmetry.value;
   const gathered = sketch.gathered.value;
-  useEffect(() => {
+  // Before the next event: a stroke that follows at once belongs to what is chosen now.
+  useLayoutEffect(() => {
     sketch.use(drawing ? { ground, axis, offset } : null);
     return () => sketch.use(null);
   }, [sketch, app.view, drawing, axis, offset, ground, symmetry, gathered, found?.model.id]);
@@ -254,12 +255,10 @@ function MovePart({ sketch, unit }: { sketch: Sketching; unit: string }) {
         {(['x', 'y', 'z'] as const).map((name, k) => (
           <label key={name}>
             {name}
-            <input
-              type="number"
-              step="any"
-              value={move[k]}
-              aria-label={`Move along ${name}, ${unit}`}
-              onChange={(event) => setMove(move.map((old, i) => (i === k ? Number(event.currentTarget.value) || 0 : old)) as [number, number, number])}
+            <NumberInput
+              label={`Move along ${name}, ${unit}`}
+              text={String(move[k])}
+              onTyped={(typed) => setMove(move.map((old, i) => (i === k ? (typed ?? 0) : old)) as [number, number, number])}
             />
           </label>
         ))}

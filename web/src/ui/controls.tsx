@@ -1,6 +1,6 @@
 /** The few controls that panels are made of: native elements with a name, a unit and one sentence of help. */
 import type { ComponentChildren } from 'preact';
-import { useId } from 'preact/hooks';
+import { useId, useState } from 'preact/hooks';
 import { shown } from './numbers';
 
 interface Labelled {
@@ -14,6 +14,47 @@ export function Section(props: { title: string; children: ComponentChildren; ope
       <summary>{props.title}</summary>
       <div class="section-body">{props.children}</div>
     </details>
+  );
+}
+
+/**
+ * A number to be typed, handed on when it is finished: with Enter, or when the field is left. What is being typed stays
+ * when another value arrives meanwhile, as one does at the end of a step; Escape takes it back.
+ */
+export function NumberInput(props: {
+  label: string;
+  /** What the field shows while nothing is typed. */
+  text: string;
+  min?: number;
+  max?: number;
+  placeholder?: string;
+  disabled?: boolean | undefined;
+  /** @param value null where the field was left empty or holds no number */
+  onTyped: (value: number | null) => void;
+}) {
+  const [draft, setDraft] = useState<string | null>(null);
+  return (
+    <input
+      type="number"
+      inputMode="decimal"
+      step="any"
+      aria-label={props.label}
+      value={draft ?? props.text}
+      min={props.min}
+      max={props.max}
+      placeholder={props.placeholder}
+      disabled={props.disabled}
+      onInput={(event) => setDraft(event.currentTarget.value)}
+      onKeyDown={(event) => {
+        if (event.key === 'Escape') setDraft(null);
+      }}
+      onBlur={() => setDraft(null)}
+      onChange={(event) => {
+        const typed = event.currentTarget.value;
+        setDraft(null);
+        props.onTyped(typed !== '' && Number.isFinite(Number(typed)) ? Number(typed) : null);
+      }}
+    />
   );
 }
 
@@ -58,19 +99,14 @@ export function Slider(
         onChange={(event) => props.onChange(from(Number(event.currentTarget.value)), true)}
       />
       <span class="number">
-        <input
-          type="number"
-          aria-label={`${props.label}${props.unit ? `, ${props.unit}` : ''}`}
-          value={text}
+        <NumberInput
+          label={`${props.label}${props.unit ? `, ${props.unit}` : ''}`}
+          text={text}
           min={props.min}
           max={props.max}
-          step="any"
           disabled={props.disabled}
-          onChange={(event) => {
-            const typed = Number(event.currentTarget.value);
-            if (Number.isFinite(typed) && event.currentTarget.value !== '')
-              props.onChange(Math.min(props.max, Math.max(props.min, typed)), true);
-            else event.currentTarget.value = text;
+          onTyped={(typed) => {
+            if (typed !== null) props.onChange(Math.min(props.max, Math.max(props.min, typed)), true);
           }}
         />
         <span class="unit">{props.unit ?? ''}</span>

@@ -72,3 +72,22 @@ test('combs, principal directions, a section, a distance, in another unit, and p
   await page.reload();
   await expect(page.getByLabel('shown in')).toHaveValue('cm');
 });
+
+test('colours of curvature come again when a slider has made the surface anew', async ({ page }) => {
+  await openSample(page);
+  await page.evaluate(() => globalThis.batten?.setLook({ shading: 'mean-curvature' }));
+  const high = () =>
+    page.evaluate(() => {
+      const store = globalThis.batten?.store;
+      const values = store?.values.value;
+      const drawn = values && store.drawn.value.get(values.object);
+      return values && drawn && !drawn.coarse && 3 * values.values.length === drawn.positions?.length ? values.high : null;
+    });
+  await expect.poll(high, { timeout: 60_000 }).not.toBeNull();
+  const before = await high();
+  await page.keyboard.press('Control+1');
+  await page.getByRole('spinbutton', { name: /^Edge length/ }).fill('4');
+  await page.getByRole('spinbutton', { name: /^Edge length/ }).press('Enter');
+  await expect.poll(async () => (await high()) ?? before, { timeout: 60_000 }).not.toBe(before);
+  await expect(page.locator('.legend')).toContainText('curvature');
+});

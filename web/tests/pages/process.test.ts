@@ -56,6 +56,37 @@ test('a torn mesh is mended, with what was done and the same command line', asyn
   await expect.poll(() => page.evaluate(() => globalThis.batten?.store.objects.value.length)).toBe(1);
 });
 
+test('a number that is being typed stays when another value arrives, and Escape takes it back', async ({ page }) => {
+  await open(page, 'sheet.obj', sheet(5, true));
+  await page.getByLabel('Do', { exact: true }).selectOption('repair');
+  await page.getByLabel('Holes').selectOption('small');
+  const field = page.getByRole('spinbutton', { name: 'Edges' });
+  const slider = page.getByRole('slider', { name: 'Edges' });
+  // Its places are logarithms. The panel is drawn again, as when a step ends.
+  const slide = (place: string) =>
+    slider.evaluate((one: HTMLInputElement, to) => {
+      one.value = to;
+      one.dispatchEvent(new Event('input', { bubbles: true }));
+    }, place);
+  await slide('1.6');
+  await expect(field).toHaveValue('40');
+  await field.click({ clickCount: 3 });
+  await page.keyboard.type('12');
+  await slide('1.7');
+  await expect(page.getByLabel('The same on the command line')).toHaveValue(/--fill-holes 50$/);
+  await expect(field).toHaveValue('12');
+  await page.keyboard.press('Escape');
+  await expect(field).toHaveValue('50');
+  await field.click({ clickCount: 3 });
+  await page.keyboard.type('7');
+  await page.keyboard.press('Enter');
+  await expect(page.getByLabel('The same on the command line')).toHaveValue(/--fill-holes 7$/);
+  await field.click({ clickCount: 3 });
+  await page.keyboard.press('Delete');
+  await page.keyboard.press('Enter');
+  await expect(field).toHaveValue('7');
+});
+
 test('before and after stand beside each other, with a line between that is dragged and moved by keys', async ({ page }) => {
   await open(page, 'sheet.obj', sheet(11, true));
   await page.getByLabel('Do', { exact: true }).selectOption('repair');
