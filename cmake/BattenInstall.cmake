@@ -76,6 +76,18 @@ if(TARGET batten_program)
       endforeach()" COMPONENT program)
   endif()
 endif()
+# Plug-ins, as users hand them to Blender and FreeCAD. Where there is no Python there is no archive for Blender.
+set(plugins ${CMAKE_INSTALL_DATADIR}/batten/plugins)
+install(FILES plugins/freecad/batten_surface.FCMacro DESTINATION ${plugins} COMPONENT program)
+find_program(BATTEN_PACKING_PYTHON python3)
+mark_as_advanced(BATTEN_PACKING_PYTHON)
+if(BATTEN_PACKING_PYTHON)
+  install(CODE "
+    set(archive \"\${CMAKE_INSTALL_PREFIX}/${plugins}/batten_blender.zip\")
+    execute_process(COMMAND \"${BATTEN_PACKING_PYTHON}\" \"${PROJECT_SOURCE_DIR}/tools/blender-addon\" \"\$ENV{DESTDIR}\${archive}\"
+                    COMMAND_ERROR_IS_FATAL ANY)
+    list(APPEND CMAKE_INSTALL_MANIFEST_FILES \"\${archive}\")" COMPONENT program)
+endif()
 install(FILES README.md DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)
 install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)
 install(FILES LICENSE CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT notices)

@@ -92,6 +92,7 @@ if(BATTEN_SANITIZE)
   add_compile_options(-fsanitize=address,undefined -fno-sanitize=null,alignment,vptr,object-size,pointer-overflow
                       -fno-sanitize-recover=all -fno-omit-frame-pointer -O1 -g1)
   add_link_options(-fsanitize=address,undefined)
+  add_compile_definitions(BATTEN_SANITIZED)  # the compilers' own names for it differ
 endif()
 
 # Code around the library, which is compiled more often than it runs and leaves the numbers to the rooms: half the time
