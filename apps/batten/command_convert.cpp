@@ -54,7 +54,8 @@ void convert_network(CurveNetwork network, const ConvertArguments& arguments, co
   if (arguments.sketch) {
     if (network.has_normals())
       throw InvalidInput(concat(arguments.in, " has normals, so it is no sketch; leave --sketch out"));
-    StrokeNetwork strokes = run_strokes({}, network, context, outcome);
+    StrokeNetwork strokes = stroke_network(network, {}, context.progress);
+    tell_strokes({}, strokes, outcome);
     outcome.figures["cycles"] = strokes.estimate.cycles.size();
     network = std::move(strokes.network);
   }

@@ -1,9 +1,11 @@
 #include "command.hpp"
+#include "commands/words.hpp"
 #include "stroke_arguments.hpp"
 #include "surface_arguments.hpp"
 
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "batten/core/error.hpp"
 #include "batten/core/text.hpp"
@@ -34,6 +36,9 @@ NetworkUncertainty uncertainty_of(const std::string& path, const CurveNetwork& r
 
 Outcome run_surface(const Arguments& arguments, const Context& context) {
   check_surface_output(arguments.surface);
+  if (arguments.strokes.topology == "implicit" && arguments.strokes.closed == "no")
+    throw commands::UsageError(
+        "an implicit surface is closed: --topology implicit does not go with --closed no");
   const NetworkSurfaceOptions options = options_of(arguments.surface);
   Outcome outcome;
   CurveNetwork curves;
@@ -53,10 +58,17 @@ Outcome run_surface(const Arguments& arguments, const Context& context) {
   } else {
     if (arguments.uncertainty)
       throw InvalidInput(concat(arguments.input, ": --uncertainty needs a network with normals"));
-    const StrokeNetwork strokes = run_strokes(arguments.strokes, curves, context, outcome);
-    report_surface(arguments.surface,
-                   network_surface(strokes.network, strokes.estimate.cycles, options, context.progress),
-                   strokes.network, context, outcome);
+    StrokeArguments strokes = arguments.strokes;
+    if (is_cad_file(arguments.surface.output)) {  // CAD faces are made of patches
+      if (strokes.topology == "implicit")
+        throw commands::UsageError(
+            concat(arguments.surface.output,
+                   ": an implicit surface has no patches to make CAD faces of; write a mesh (.ply)"));
+      strokes.topology = "cycles";
+    }
+    StrokeSurface made = run_strokes(strokes, options, curves, context, outcome);
+    report_surface(arguments.surface, std::move(made.surface), made.implicit ? curves : made.strokes->network,
+                   context, outcome);
   }
   return outcome;
 }

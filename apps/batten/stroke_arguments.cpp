@@ -27,16 +27,29 @@ CurveNetwork run_mending(const StrokeArguments& arguments, const CurveNetwork& c
   return network;
 }
 
-StrokeNetwork run_strokes(const StrokeArguments& arguments, const CurveNetwork& strokes,
-                          const Context& context, Outcome& outcome) {
-  if (!arguments.network.empty()) network_format(arguments.network);  // before any work is done
-  StrokeNetwork result = network_of_strokes(arguments, strokes, context.progress);
-  report_strokes(result, outcome);
-  for (const NetworkFinding& finding : result.strokes.findings)
+void tell_strokes(const StrokeArguments& arguments, const StrokeNetwork& made, Outcome& outcome) {
+  report_strokes(made, outcome);
+  for (const NetworkFinding& finding : made.strokes.findings)
     if (is_notable(finding))
       outcome.lines.push_back(concat("- ", defect_name(finding.defect), ": ", finding.sentence));
-  outcome.figures["diagnosis"] = commands::diagnosis_json(result);
-  if (!arguments.network.empty()) write_network(arguments.network, result.network);
+  outcome.figures["diagnosis"] = commands::diagnosis_json(made);
+  if (!arguments.network.empty()) write_network(arguments.network, made.network);
+}
+
+StrokeSurface run_strokes(const StrokeArguments& arguments, const NetworkSurfaceOptions& surface,
+                          const CurveNetwork& strokes, const Context& context, Outcome& outcome) {
+  if (!arguments.network.empty()) network_format(arguments.network);  // before any work is done
+  StrokeSurface result = stroke_surface(
+      strokes, commands::options_of(arguments, surface, bounding_box_diagonal(strokes.positions)),
+      context.progress, [&](const StrokeNetwork& made) { tell_strokes(arguments, made, outcome); });
+  commands::append(commands::figures_of(result), outcome.figures);
+  if (result.implicit)
+    outcome.lines.push_back(
+        concat("implicit surface through all strokes, ", result.implicit->field.n_sites,
+               " normals found; 95 % of the strokes within ", 100 * result.implicit->stroke_distance_p95,
+               " % of the diameter, all within ", 100 * result.implicit->stroke_distance_max, " %"));
+  if (const std::string warning = commands::warning_of(result); !warning.empty())
+    outcome.warnings.push_back(warning);
   return result;
 }
 
@@ -62,6 +75,21 @@ void add_stroke_options(CLI::App& command, StrokeArguments& arguments) {
       .add_option("--step", arguments.step,
                   "Without normals: distance of samples on the cleaned curves, or none for those of the file")
       ->check(length("--step", "none", false));
+  command
+      .add_option("--topology", arguments.topology,
+                  "Without normals: cycles: patches between strokes that meet; implicit: one closed surface "
+                  "through all strokes, which need not meet; auto: cycles where they are sure")
+      ->check(CLI::IsMember(choice_words<StrokeTopology>()));
+  command
+      .add_option("--closed", arguments.closed,
+                  "Without normals: whether the surface is closed: auto, yes, or no (by cycles alone)")
+      ->check(CLI::IsMember(choice_words<StrokeClosure>()));
+  command
+      .add_option(
+          "--symmetry", arguments.symmetry,
+          "Without normals: x, y, z: strokes are completed in the mirror x = 0 and the like; auto: those of "
+          "an implicit surface that are nearly their own image; off")
+      ->check(CLI::IsMember(choice_words<StrokeSymmetry>()));
   command.add_option("--write-network", arguments.network,
                      "Write the network that the sketch, or the mended network, became: .net, .obj or .json");
 }

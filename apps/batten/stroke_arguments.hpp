@@ -24,8 +24,12 @@ void report_strokes(const StrokeNetwork& strokes, Outcome& outcome);
 /// Mends a network with normals and reports it: counts, warnings. `--weld 0` leaves it as it is.
 CurveNetwork run_mending(const StrokeArguments& arguments, const CurveNetwork& curves, Outcome& outcome);
 
-/// Makes a network of strokes, reports it with its diagnosis, and writes it where `network` is not empty.
-StrokeNetwork run_strokes(const StrokeArguments& arguments, const CurveNetwork& strokes,
-                          const Context& context, Outcome& outcome);
+/// report_strokes(), with the diagnosis; writes the network where `network` is not empty.
+void tell_strokes(const StrokeArguments& arguments, const StrokeNetwork& strokes, Outcome& outcome);
+
+/// Makes the surface of strokes and reports which way it came. The network of its cycles is told
+/// (tell_strokes()) even where filling it fails.
+StrokeSurface run_strokes(const StrokeArguments& arguments, const NetworkSurfaceOptions& surface,
+                          const CurveNetwork& strokes, const Context& context, Outcome& outcome);
 
 }  // namespace batten::cli

@@ -2,6 +2,7 @@
 
 #include "commands/words.hpp"
 
+#include <cmath>
 #include <utility>
 
 #include "batten/core/text.hpp"
@@ -56,6 +57,9 @@ StrokeNetworkOptions options_of(const StrokeArguments& arguments, double diamete
   options.weld_tolerance = fraction(arguments.weld, "auto");
   options.reach = fraction(arguments.reach, "none");
   options.step = fraction(arguments.step, "none");
+  parse_choice<StrokeTopology>(arguments.topology);
+  parse_choice<StrokeClosure>(arguments.closed);
+  parse_choice<StrokeSymmetry>(arguments.symmetry);
   return options;
 }
 
@@ -74,13 +78,51 @@ CurveNetwork mended(const StrokeArguments& arguments, const CurveNetwork& curves
   return std::move(made.network);
 }
 
-StrokeNetwork network_of_strokes(const StrokeArguments& arguments, const CurveNetwork& strokes,
-                                 const Progress& progress) {
-  const StrokeNetworkOptions options = options_of(arguments, bounding_box_diagonal(strokes.positions));
-  if (arguments.weld != "auto" && options.weld_tolerance == 0)
+StrokeSurfaceOptions options_of(const StrokeArguments& arguments, const NetworkSurfaceOptions& surface,
+                                double diameter) {
+  if (!(diameter > 0) || !std::isfinite(diameter))
+    throw InvalidInput("the sketch has no extent, or a coordinate that is not a number");
+  StrokeSurfaceOptions options;
+  options.topology = parse_choice<StrokeTopology>(arguments.topology);
+  options.closed = parse_choice<StrokeClosure>(arguments.closed);
+  options.symmetry = parse_choice<StrokeSymmetry>(arguments.symmetry);
+  options.strokes = options_of(arguments, diameter);
+  options.surface = surface;
+  if (arguments.weld != "auto" && options.strokes.weld_tolerance == 0)
     throw InvalidInput(
         "--weld 0 takes networks with normals as they are; strokes without normals must be welded");
-  return stroke_network(strokes, options, progress);
+  return options;
+}
+
+Json figures_of(const StrokeSurface& made) {
+  Json figures = Json::object();
+  figures["topology"] = word_of(made.implicit ? StrokeTopology::Implicit : StrokeTopology::Cycles);
+  figures["cycles_area"] = made.implicit ? 0 : 1;
+  if (!made.doubt.empty()) figures["doubt"] = made.doubt;
+  if (made.mirror)
+    figures["mirror"] = {{"axis", std::string(1, "xyz"[made.mirror->axis])},
+                         {"position", made.mirror->position}};
+  if (made.implicit) {
+    Json unsure = Json::array();
+    for (const UnsurePlace& place : made.implicit->unsure)
+      unsure.push_back({{"position", {place.position.x(), place.position.y(), place.position.z()}},
+                        {"area", place.area},
+                        {"distance", place.distance}});
+    figures["unsure"] = unsure;
+    figures["sites"] = made.implicit->field.n_sites;
+    figures["smoothing"] = made.implicit->field.smoothing;
+    figures["stroke_distance_p95"] = made.implicit->stroke_distance_p95;
+    figures["stroke_distance_max"] = made.implicit->stroke_distance_max;
+  }
+  return figures;
+}
+
+std::string warning_of(const StrokeSurface& made) {
+  if (!made.implicit || made.doubt.empty()) return {};
+  return concat(
+      "the strokes do not part the surface into patches that are sure (", made.doubt,
+      "); it is the smoothest closed surface through all of them, without patches; --topology cycles "
+      "shows the patches");
 }
 
 Json figures_of(const StrokeNetwork& made) {

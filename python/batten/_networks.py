@@ -524,6 +524,9 @@ def surface(
     weld="auto",
     reach="3%",
     step="1.5%",
+    topology="auto",
+    closed="auto",
+    symmetry="auto",
     crossings="flatten",
     uncertainty=False,
     progress=None,
@@ -558,6 +561,14 @@ def surface(
         Without normals: ends are extended to a stroke this near; or "none".
     step : str or float
         Without normals: distance of samples on the cleaned curves, or "none" for those of the network.
+    topology : str
+        Without normals: "cycles": patches between strokes that meet; "implicit": one closed surface through all strokes,
+        which need not meet; "auto": cycles where they are sure.
+    closed : str
+        Without normals: whether the surface is closed: "auto", "yes", or "no" (by cycles alone).
+    symmetry : str
+        Without normals: "x", "y", "z": strokes are completed in the mirror x = 0 and the like; "auto": those of an implicit
+        surface that are nearly their own image; "off".
     crossings : str
         Without normals: patches that would cross others or fold are filled flatter ("flatten"), or kept ("keep").
     uncertainty : bool
@@ -591,6 +602,9 @@ def surface(
         weld=weld,
         reach=reach,
         step=step,
+        topology=topology,
+        closed=closed,
+        symmetry=symmetry,
         crossings=crossings,
         uncertainty=uncertainty,
     )

@@ -72,13 +72,21 @@ py::dict surface(const py::object& network, const py::dict& given, const py::obj
               : network_surface(out.network, options, p);
     } else {
       if (arguments.uncertainty) throw InvalidInput("--uncertainty needs a network with normals");
-      StrokeNetwork strokes = commands::network_of_strokes(arguments.strokes, curves, p);
-      commands::append(commands::figures_of(strokes), out.figures);
-      out.figures["diagnosis"] = commands::diagnosis_json(strokes);
-      out.times.add(strokes.times);
-      out.warnings.insert(out.warnings.end(), strokes.warnings.begin(), strokes.warnings.end());
-      out.surface = network_surface(strokes.network, strokes.estimate.cycles, options, p);
-      out.network = std::move(strokes.network);
+      StrokeSurface filled = stroke_surface(
+          curves, commands::options_of(arguments.strokes, options, bounding_box_diagonal(curves.positions)),
+          p);
+      if (filled.strokes) {
+        commands::append(commands::figures_of(*filled.strokes), out.figures);
+        out.figures["diagnosis"] = commands::diagnosis_json(*filled.strokes);
+        out.times.add(filled.strokes->times);
+        out.warnings.insert(out.warnings.end(), filled.strokes->warnings.begin(),
+                            filled.strokes->warnings.end());
+      }
+      commands::append(commands::figures_of(filled), out.figures);
+      if (const std::string warning = commands::warning_of(filled); !warning.empty())
+        out.warnings.push_back(warning);
+      out.surface = std::move(filled.surface);
+      out.network = filled.implicit ? curves : std::move(filled.strokes->network);
     }
     finish(arguments.surface, out);
     return out;

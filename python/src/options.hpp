@@ -147,6 +147,9 @@ void each_option(FillArguments& a, const Visit& visit) {
   visit("weld", a.strokes.weld);
   visit("reach", a.strokes.reach);
   visit("step", a.strokes.step);
+  visit("topology", a.strokes.topology);
+  visit("closed", a.strokes.closed);
+  visit("symmetry", a.strokes.symmetry);
   visit("crossings", a.surface.crossings);
   visit("uncertainty", a.uncertainty);
 }

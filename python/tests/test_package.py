@@ -171,7 +171,7 @@ def test_the_stub_satisfies_mypy(tmp_path):
 def test_the_module_is_small_enough():
     size = pathlib.Path(batten._batten.__file__).stat().st_size / 1e6
     print(f"module: {size:.2f} MB")
-    assert size <= 5.6  # 5.3 with all that the functions need; a room that slips in whole is seen
+    assert size <= 5.7  # 5.3 with all that the functions need; a room that slips in whole is seen
 
 
 def test_the_package_in_the_build_folder_is_that_of_the_sources():

@@ -106,6 +106,54 @@ TEST(SurfaceOfSketch, NamesEndsThatMeetNothing) {
   EXPECT_EQ(json["genus"], 0);
 }
 
+/// Arcs of three circles of a ball, with gaps between them, that miss each other.
+std::string ball_sketch() {
+  std::string text;
+  int next = 1;
+  for (int axis = 0; axis < 3; ++axis)
+    for (int arc = 0; arc < 3; ++arc)
+      for (int k = 0; k <= 30; ++k) {
+        const double a = 2.0944 * (arc + 0.85 * k / 30 + 0.11 * axis);
+        double x[3] = {0.004 * arc, 0.003 * axis, -0.004 * arc};
+        x[(axis + 1) % 3] += std::cos(a);
+        x[(axis + 2) % 3] += std::sin(a);
+        text += "v " + std::to_string(x[0]) + " " + std::to_string(x[1]) + " " + std::to_string(x[2]) + "\n";
+        if (k > 0) text += "l " + std::to_string(next - 1) + " " + std::to_string(next) + "\n";
+        ++next;
+      }
+  return text;
+}
+
+TEST(SurfaceOfSketch, ClosesStrokesThatDoNotMeet) {
+  write_file("ball.obj", ball_sketch());
+  const Json json = surface("ball.obj -o ball.ply --edge-length 4%");
+  EXPECT_EQ(json["topology"], "implicit");
+  EXPECT_EQ(json["cycles_area"], 0);
+  EXPECT_EQ(json["watertight"], true);
+  EXPECT_EQ(json["genus"], 0);
+  EXPECT_FALSE(json["doubt"].get<std::string>().empty());
+  EXPECT_LT(json["stroke_distance_p95"], 0.005);
+  EXPECT_NE(json["warnings"].dump().find("--topology cycles"), std::string::npos);
+  EXPECT_EQ(surface("ball.obj -o ball.ply --edge-length 4% --topology implicit")["faces"], json["faces"]);
+}
+
+TEST(SurfaceOfSketch, TakesCyclesWhereTheyAreSureOrAskedFor) {
+  write_file("cube.obj", cube_sketch(0));
+  const Json json = surface("cube.obj -o cube.ply");
+  EXPECT_EQ(json["topology"], "cycles");
+  EXPECT_FALSE(json.contains("doubt"));
+  EXPECT_EQ(surface("cube.obj -o cube.ply --closed yes")["topology"], "cycles");
+  write_file("ball.obj", ball_sketch());
+  // By cycles alone nothing is closed that is open, and CAD faces are made of patches.
+  for (const char* options : {"-o ball.ply --closed no", "-o ball.ply --topology cycles"}) {
+    const auto run = run_batten(std::string("surface ball.obj --json ") + options);
+    const Json result = Json::parse(run.out, nullptr, false);
+    EXPECT_FALSE(result.value("topology", "cycles") == "implicit") << run.out;
+  }
+  EXPECT_EQ(run_batten("surface ball.obj -o ball.step --topology implicit").exit_code, 2);
+  EXPECT_EQ(run_batten("surface ball.obj -o ball.ply --topology implicit --closed no").exit_code, 2);
+}
+
 // The options reach their places; lengths may be relative or in the unit of the file.
 TEST(SurfaceOfSketch, TakesItsOptions) {
   write_file("gap.obj", cube_sketch(0.03));
@@ -126,6 +174,22 @@ TEST(SurfaceOfSketch, SaysWhyThereIsNothingToSurface) {
   EXPECT_EQ(run.exit_code, 3);
   EXPECT_NE(run.err.find("no closed cycle"), std::string::npos) << run.err;
   EXPECT_FALSE(file_exists("line.ply"));
+  write_file("dot.obj", "v 1 1 1\nv 1 1 1\nv 1 1 1\nl 1 2 3\n");
+  for (const char* topology : {"auto", "cycles", "implicit"}) {
+    const auto dot = run_batten(std::string("surface dot.obj -o dot.ply --topology ") + topology);
+    EXPECT_EQ(dot.exit_code, 3);
+    EXPECT_NE(dot.err.find("no extent"), std::string::npos) << dot.err;
+  }
+  // Parallel lines in a plane go around nothing, however many.
+  write_file(
+      "lines.obj",
+      "v 0 0 0\nv 1 0 0\nv 2 0 0\nl 1 2 3\nv 0 1 0\nv 1 1 0\nv 2 1 0\nl 4 5 6\nv 0 2 0\nv 1 2 0\nv 2 2 "
+      "0\nl 7 8 9\n");
+  const auto lines = run_batten("surface lines.obj -o lines.ply");
+  EXPECT_EQ(lines.exit_code, 3);
+  EXPECT_NE(lines.err.find("no closed cycle"), std::string::npos) << lines.err;
+  EXPECT_NE(run_batten("surface lines.obj -o lines.ply --topology implicit").err.find("in a plane"),
+            std::string::npos);
 }
 
 // No curve of the one cube touches the other, but their faces cross: the work failed, places are named, and
@@ -133,7 +197,7 @@ TEST(SurfaceOfSketch, SaysWhyThereIsNothingToSurface) {
 TEST(SurfaceOfSketch, LeavesTheOldFileWhereTheSurfaceCrossesItself) {
   write_file("two.obj", cube_sketch(0) + cube_sketch(0, 0.5, 133));
   write_file("two.ply", "as it was");
-  const auto refused = run_batten("surface two.obj -o two.ply --step 8% --json");
+  const auto refused = run_batten("surface two.obj -o two.ply --step 8% --topology cycles --json");
   EXPECT_EQ(refused.exit_code, 1);
   for (const char* words : {"the surface is not sound", " cross in patches ", " at (", "--accept-flaws"})
     EXPECT_NE(refused.err.find(words), std::string::npos) << refused.err;
@@ -143,7 +207,7 @@ TEST(SurfaceOfSketch, LeavesTheOldFileWhereTheSurfaceCrossesItself) {
   EXPECT_EQ(json["flaws"].size(), 1U) << json["flaws"];
   EXPECT_EQ(run_batten("surface two.obj -o two.step --step 8%").exit_code, 1);
   EXPECT_FALSE(file_exists("two.step"));
-  const Json accepted = surface("two.obj -o two.ply --step 8% --accept-flaws");
+  const Json accepted = surface("two.obj -o two.ply --step 8% --topology cycles --accept-flaws");
   EXPECT_EQ(accepted["written"], true);
   EXPECT_GT(accepted["self_intersections"], 0);
   EXPECT_NE(read_file("two.ply"), "as it was");

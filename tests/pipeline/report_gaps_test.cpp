@@ -4,6 +4,7 @@
 #include "sanitizers.hpp"
 #include "threads.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <vector>
@@ -73,7 +74,11 @@ TEST(ReportGaps, EveryRequestReportsAllAlongAndStopsWhereItIsTold) {
   const test::Threads one_thread(1);  // all the work is on the thread whose time is measured
   for (const Work& work : all) {
     const test::ReportGaps gaps(work.run);
-    EXPECT_LT(gaps.largest_share(), 0.33) << work.name << " before " << gaps.before();
+    // A machine with other work may stop anywhere for a while, but not at one place in each of three runs.
+    double share = gaps.largest_share();
+    for (int again = 0; again < 2 && share >= 0.33; ++again)
+      share = std::min(share, test::ReportGaps(work.run).largest_share());
+    EXPECT_LT(share, 0.33) << work.name << " before " << gaps.before();
     for (const int stop_at : {1, gaps.reports() / test::repeated(2, 4)}) {
       int reports = 0;
       const Progress stop([&](std::string_view, double) { return ++reports < stop_at; });

@@ -2,9 +2,12 @@
 
 #include "network/sphere_network.hpp"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "batten/core/error.hpp"
+#include "batten/core/units.hpp"
 #include "batten/network/diagnosis.hpp"
 
 namespace batten {
@@ -51,6 +54,22 @@ TEST(Welded, MovesNoPointFurtherThanTheTolerance) {
         nearest = std::min(nearest, (after.positions.row(w) - before.positions.row(v)).norm());
       EXPECT_LE(nearest, 0.05);
     }
+}
+
+// The two ends lie at one place but for rounding, wherever a circle begins.
+TEST(Welded, ClosesACircleWhereverItBegins) {
+  for (int start = 0; start < 360; ++start) {
+    CurveNetwork network;
+    Points circle(41, 3);
+    for (int k = 0; k <= 40; ++k) {
+      const double a = 2 * kPi * (k / 40.0 + start / 360.0);
+      circle.row(k) << std::cos(a), std::sin(a), 0;
+    }
+    add_polyline(network, circle);
+    const WeldedNetwork result = welded(network, 0.01);
+    ASSERT_EQ(result.network.curves.size(), 1u);
+    EXPECT_TRUE(result.network.curves[0].closed()) << start;
+  }
 }
 
 TEST(Welded, LeavesAWeldedNetworkAsItIs) {

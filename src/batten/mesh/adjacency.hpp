@@ -34,6 +34,7 @@ struct OneRings {
   std::vector<int> vertices;    ///< the neighbours, counter-clockwise seen from outside
   std::vector<char> is_closed;  ///< per vertex: the ring closes; else it runs from border to border
 
+  /// Number of neighbours of a vertex.
   int valence(Eigen::Index vertex) const {
     return offsets[static_cast<size_t>(vertex) + 1] - offsets[static_cast<size_t>(vertex)];
   }
@@ -70,6 +71,7 @@ struct MeshTopology {
   /// manifold.
   std::vector<std::string> problems;
 
+  /// No edge has more than two triangles, no vertex more than one fan, and no triangle names a vertex twice.
   bool is_manifold() const {
     return non_manifold_edges.empty() && non_manifold_vertices.empty() && collapsed_triangles.empty();
   }

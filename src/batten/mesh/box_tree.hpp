@@ -11,9 +11,11 @@ namespace batten {
 struct Box {
   Eigen::Vector3d low, high;
 
+  /// Whether both have a point in common.
   bool meets(const Box& other) const {
     return (low.array() <= other.high.array()).all() && (other.low.array() <= high.array()).all();
   }
+  /// Grows until the other box lies within.
   void include(const Box& other) {
     low = low.cwiseMin(other.low);
     high = high.cwiseMax(other.high);
@@ -24,6 +26,7 @@ struct Box {
 /// n) and the answers. It refers to the boxes; they must outlive it.
 class BoxTree {
  public:
+  /// Time O(n log n).
   explicit BoxTree(const std::vector<Box>& boxes) : boxes_(boxes), order_(boxes.size()) {
     std::iota(order_.begin(), order_.end(), 0);
     if (!order_.empty()) build(0, static_cast<int>(order_.size()));

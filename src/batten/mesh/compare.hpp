@@ -16,8 +16,10 @@ struct DistanceFigures {
   double max = 0, mean = 0, rms = 0;
   Eigen::Index count = 0;
 };
+/// The figures of distances, none below 0.
 DistanceFigures distance_figures(const Eigen::VectorXd& distances);
 
+/// How compare() measures.
 struct CompareOptions {
   RegistrationKind registration = RegistrationKind::None;
   Eigen::Index samples = 200000;              ///< per direction, uniform by area or length
@@ -39,6 +41,7 @@ struct DirectedComparison {
   DistanceFigures normal_angles;
 };
 
+/// Distances in both directions. Lengths in the unit of B.
 struct Comparison {
   Registration registration;  ///< applied to A before measuring
   DirectedComparison a_to_b, b_to_a;

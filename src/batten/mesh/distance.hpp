@@ -41,6 +41,7 @@ class TriangleTree {
   /// naming the triangle.
   TriangleTree(const Points& positions, const Triangles& triangles);
 
+  /// The point of the surface nearest to a place; O(log m) as a rule.
   ClosestPoint closest(const Eigen::Vector3d& query) const;
   /// One result per row of `queries`, equal to those of closest(), on all processors.
   std::vector<ClosestPoint> closest(const Points& queries, const Progress& progress = {}) const;
@@ -57,6 +58,7 @@ class SegmentTree {
   /// @throws InvalidInput as TriangleTree.
   SegmentTree(const Points& positions, const Segments& segments);
 
+  /// The point of the segments nearest to a place, and one for each row of `queries`.
   ClosestPoint closest(const Eigen::Vector3d& query) const;
   std::vector<ClosestPoint> closest(const Points& queries, const Progress& progress = {}) const;
 

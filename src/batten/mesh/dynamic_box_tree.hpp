@@ -27,8 +27,8 @@ class DynamicBoxTree {
   /// The items whose boxes meet a box, increasing.
   std::vector<int> meeting(const Box& box) const;
   /// Visits items by increasing bound, until the next bound is greater than what the last visit has returned.
-  /// @param bound(box): at most that of every box within this one.
-  /// @param visit(item) returns the greatest bound that is still of interest.
+  /// @param bound of a box: at most that of every box within it.
+  /// @param visit is given an item and returns the greatest bound that is still of interest.
   template <typename Bound, typename Visit>
   void visit_nearest(Bound bound, Visit visit) const;
 

@@ -134,6 +134,7 @@ class HalfedgeMesh {
     std::vector<int> faces;     ///< per compact face its number in the half-edge mesh, increasing
     std::vector<int> index;     ///< per vertex of the half-edge mesh its compact number, or kNone
   };
+  /// Linear time.
   Compact compacted() const;
 
   /// The first breach of the invariants in words, or an empty string. For tests; linear time.

@@ -38,6 +38,7 @@ struct MendingReport {
   Eigen::Index unused = 0;          ///< vertices left out that no triangle used
   int nested = 0;                   ///< closed parts within others that were left oriented outward
 
+  /// Whether anything was mended.
   bool changed() const {
     return welded + repeated + degenerate + doubled + junctions + branching + split_vertices + cut + turned +
                unused >

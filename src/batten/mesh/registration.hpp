@@ -18,6 +18,7 @@ struct SimilarityTransform {
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
   Eigen::Vector3d translation = Eigen::Vector3d::Zero();
 
+  /// A point, or each row of `points`, transformed.
   Eigen::Vector3d operator()(const Eigen::Vector3d& p) const { return scale * (rotation * p) + translation; }
   Points operator()(const Points& points) const;
   /// The normals of a transformed shape: rotated only.
@@ -46,6 +47,7 @@ constexpr auto choices_of(RegistrationKind) {
 SimilarityTransform fit_transform(const Points& from, const Points& to, RegistrationKind kind,
                                   const Eigen::VectorXd& weights = {});
 
+/// How a registration searches.
 struct RegistrationOptions {
   RegistrationKind kind = RegistrationKind::Rigid;
   Eigen::Index samples = 20000;  ///< points that are matched, uniform by area or length

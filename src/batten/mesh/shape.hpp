@@ -24,6 +24,7 @@ class ShapeTree {
   /// @throws InvalidInput when the shape has neither triangles nor segments, or as TriangleTree.
   explicit ShapeTree(const Shape& shape);
 
+  /// The point of the shape nearest to a place, and one for each row of `queries`.
   ClosestPoint closest(const Eigen::Vector3d& query) const;
   std::vector<ClosestPoint> closest(const Points& queries, const Progress& progress = {}) const;
 

@@ -64,6 +64,7 @@ struct CheckedCurve {
       Eigen::Vector3d::Zero();  ///< where the first reason is at its worst; else of the normals
 };
 
+/// The verdicts on all curves of a network.
 struct CurveCheck {
   std::vector<CheckedCurve> curves;  ///< one per curve of the network, in its order
   int n_checked = 0;                 ///< all but the borders

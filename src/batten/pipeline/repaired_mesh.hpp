@@ -43,6 +43,7 @@ struct RepairedMesh {
   std::vector<std::string> warnings;  ///< options are named in backquotes
   StageTimes times;
 
+  /// How many of the holes were filled.
   int n_filled() const;
 };
 

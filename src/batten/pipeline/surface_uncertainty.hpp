@@ -36,6 +36,7 @@ struct CurvatureChange {
   double curvature = 0;  ///< root mean square of the normal curvature along the curves, 1/length
   double change = 0;     ///< root mean square of its change per length, 1/length²
 };
+/// Of the curves of a network with normals.
 CurvatureChange curvature_change(const CurveNetwork& network);
 
 /// The part between the curves for a mesh some of whose vertices lie on curves, 0 at those.

@@ -24,6 +24,8 @@ constexpr double kSectorCost = 1 / kPi;
 /// Orders are tried one and all up to this number of curves at a node (720); beyond it those seen along
 /// likely axes.
 constexpr std::size_t kMostPermuted = 7;
+/// Of the pairs of curves at a node, so many are looked along; all of them up to 14 curves.
+constexpr std::size_t kMostPairs = 100;
 
 /// Orders by their places, each beginning with place 0.
 using Sequences = std::set<std::vector<int>>;
@@ -41,8 +43,11 @@ std::vector<Vector3d> likely_axes(const std::vector<Vector3d>& tangents) {
   axes.reserve(4);
   for (int i = 0; i < 3; ++i) axes.emplace_back(solver.eigenvectors().col(i));
   if (sum.norm() > 1e-6) axes.push_back(sum.normalized());
+  const size_t stride = 1 + tangents.size() * (tangents.size() - 1) / 2 / kMostPairs;
+  size_t pair = 0;
   for (size_t i = 0; i < tangents.size(); ++i)
     for (size_t j = 0; j < i; ++j) {
+      if (pair++ % stride != 0) continue;
       const Vector3d normal = tangents[i].cross(tangents[j]);
       if (normal.norm() > 0.2) axes.push_back(normal.normalized());
     }

@@ -8,7 +8,9 @@
 #include <Eigen/Dense>
 
 #include "batten/core/disjoint_sets.hpp"
+#include "batten/core/error.hpp"
 #include "batten/core/index.hpp"
+#include "batten/core/text.hpp"
 #include "batten/strokes/candidate_orders_detail.hpp"
 #include "batten/strokes/node_orders_detail.hpp"
 
@@ -27,6 +29,9 @@ constexpr double kSamePatchCost = 0.12;
 constexpr std::array<double, 2> kLooseLinks{0.15, 0.6};
 /// A choice that wins by less than this is told. Two patches more gain 0.24.
 constexpr double kDoubt = 0.15;
+
+/// Sectors of all nodes together, k³ of one with k curves: more are a tangle, in which no order is sure.
+constexpr double kMostSectors = 2e7;
 
 /// What the two patches beside a half-edge look like at its node: directions square to the half-edge, in a
 /// frame that is carried along the link, with the certainty as length.
@@ -108,6 +113,7 @@ class OrderSearch {
   }
 
   void prepare() {
+    refuse_tangle();
     const size_t n_links = graph_.links.size();
     std::vector<std::array<Vector3d, 2>> frames(2 * n_links);
     std::vector<Vector3d> tangents(2 * n_links);
@@ -142,6 +148,25 @@ class OrderSearch {
           }
     }
     chosen_.assign(nodes_.size(), -1);
+  }
+
+  /// @throws InvalidInput where so many curves meet that their orders cannot be tried.
+  [[gnu::cold]] void refuse_tangle() const {
+    double sectors = 0;
+    std::size_t worst = 0;
+    for (std::size_t n = 0; n < nodes_.size(); ++n) {
+      sectors += std::pow(static_cast<double>(graph_.half_edges[n].size()), 3);
+      if (graph_.half_edges[n].size() > graph_.half_edges[worst].size()) worst = n;
+    }
+    if (sectors <= kMostSectors) return;
+    const int half_edge = graph_.half_edges[worst].front();
+    const std::vector<int>& vertices = graph_.links[at(half_edge / 2)].vertices;
+    const Eigen::RowVector3d place =
+        network_.positions.row(half_edge % 2 == 0 ? vertices.front() : vertices.back());
+    throw InvalidInput(concat("the strokes cross too densely for cycles: ", graph_.half_edges[worst].size(),
+                              " pieces meet at (", place[0], ", ", place[1], ", ", place[2],
+                              "), and many at other nodes; fewer strokes, a smaller weld tolerance, or a "
+                              "surface that needs no cycles (topology implicit)"));
   }
 
   int place_of(int half_edge) const {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
 #include "batten/core/disjoint_sets.hpp"
@@ -34,14 +35,17 @@ class Welder {
   }
 
   /// The vertex at a place of a curve: an existing one within the tolerance along the curve (its ends first),
-  /// else a new one.
-  int vertex_at(const CurvePlace& place) {
+  /// else a new one. @param other_than a vertex that is not meant: the end of a curve that closes lies where
+  /// its other end does.
+  int vertex_at(const CurvePlace& place, int other_than = -1) {
     const std::vector<int>& vertices = network_.curves[at(place.curve)].vertices;
     const int a = vertices[at(place.edge)], b = vertices[at(place.edge) + 1];
-    const double to_a = (positions_[at(a)] - place.point).norm(),
-                 to_b = (positions_[at(b)] - place.point).norm();
-    const double to_first = (positions_[at(vertices.front())] - place.point).norm(),
-                 to_last = (positions_[at(vertices.back())] - place.point).norm();
+    const auto distance_to = [&](int v) {
+      return v == other_than ? std::numeric_limits<double>::infinity()
+                             : (positions_[at(v)] - place.point).norm();
+    };
+    const double to_a = distance_to(a), to_b = distance_to(b);
+    const double to_first = distance_to(vertices.front()), to_last = distance_to(vertices.back());
     // A vertex moves by half of what it is merged over, so half the tolerance is left for the way along.
     const double near = 0.5 * tolerance_;
     if (std::min(to_first, to_last) <= near && !network_.curves[at(place.curve)].closed())
@@ -159,7 +163,7 @@ WeldedNetwork welded(const CurveNetwork& network, double tolerance) {
       const int vertex = at_last ? curve.vertices.back() : curve.vertices.front();
       if (degree[at(vertex)] != 1) continue;
       if (const auto place = index.nearest_other(c, at_last, tolerance)) {
-        welder.unite(vertex, welder.vertex_at(*place));
+        welder.unite(vertex, welder.vertex_at(*place, vertex));
         ends.emplace_back(network.positions.row(vertex));
       }
     }

@@ -10,6 +10,7 @@ struct WeldReport {
   int n_removed_curves = 0;   ///< curves that shrank to a point
 };
 
+/// The network after welding.
 struct WeldedNetwork {
   CurveNetwork network;
   WeldReport report;
