@@ -11,6 +11,7 @@ namespace batten {
 /// work itself.
 class BackgroundWork {
  public:
+  /// Starts at once.
   explicit BackgroundWork(std::function<void()> work);
   ~BackgroundWork();
   BackgroundWork(const BackgroundWork&) = delete;

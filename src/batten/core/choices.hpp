@@ -33,6 +33,7 @@ struct Choices {
   std::string_view kind;  ///< what is chosen, singular: "fairing method"
   std::array<Choice<Enum>, N> entries;
 
+  /// The value that a word stands for; nothing where it is none of them.
   constexpr std::optional<Enum> find(std::string_view word) const {
     for (const Choice<Enum>& entry : entries)
       if (entry.word == word) return entry.value;

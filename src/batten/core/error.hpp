@@ -33,6 +33,8 @@ class FileError : public InvalidInput {
 /// A linear system could not be factorised or solved; `system` says which one.
 class SolverFailure : public Error {
  public:
+  /// @param system what the equations are for, as in "mean curvature flow". @param unknowns how many there
+  /// are.
   SolverFailure(std::string_view system, Eigen::Index unknowns);
 };
 

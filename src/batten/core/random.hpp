@@ -8,10 +8,12 @@ namespace batten {
 /// Seeded random numbers that are the same on every platform (xoshiro256**; std's distributions are not).
 class Random {
  public:
+  /// The same seed gives the same numbers.
   explicit Random(std::uint64_t seed);
   /// An independent stream: what one consumer draws does not shift the numbers of another.
   Random(std::uint64_t seed, std::uint64_t stream);
 
+  /// 64 random bits.
   std::uint64_t bits();
   /// Uniform in [0, 1).
   double uniform();

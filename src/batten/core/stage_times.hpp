@@ -11,8 +11,10 @@ namespace batten {
 /// again is added up.
 class StageTimes {
  public:
+  /// Adds to one stage, in seconds, or all the stages of others.
   void add(std::string_view stage, double seconds);
   void add(const StageTimes& others);
+  /// Of all stages, seconds.
   double total() const;
   const std::vector<std::pair<std::string, double>>& stages() const { return stages_; }
 
@@ -23,6 +25,7 @@ class StageTimes {
 /// Adds the time of its own life to a stage.
 class ScopedStage {
  public:
+  /// The time of `stage` in `times` begins. @pre `times` outlives this.
   ScopedStage(StageTimes& times, std::string_view stage)
       : times_(times), stage_(stage), start_(std::chrono::steady_clock::now()) {}
   ~ScopedStage();

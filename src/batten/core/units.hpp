@@ -41,9 +41,11 @@ constexpr double kStandardGravity = 9.80665;
 /// Gravity where the place is not known, m/s²: 9.76 to 9.83 over the surface of the earth, so a fourth digit
 /// would say nothing.
 constexpr double kUsualGravity = 9.81;
+/// An angle in radians, and in degrees.
 constexpr double radians(double degrees) {
   return degrees * kPi / 180.0;
 }
+/// An angle in degrees from one in radians.
 constexpr double degrees(double radians) {
   return radians * 180.0 / kPi;
 }

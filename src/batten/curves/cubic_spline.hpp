@@ -17,6 +17,7 @@ class CubicSpline {
   CubicSpline(std::vector<double> knots, Points values, bool periodic);
 
   Eigen::Index n_pieces() const { return values_.rows() - 1; }
+  /// The parameter that a piece takes, above 0.
   double width(Eigen::Index piece) const;
   const std::vector<double>& knots() const { return knots_; }
   const Points& values() const { return values_; }

@@ -46,6 +46,7 @@ constexpr auto choices_of(DetailPreservation) {
                                       {DetailPreservation::GaussNewton, "gauss-newton"}});
 }
 
+/// How a Deformer moves what is not given a target.
 struct DeformOptions {
   DeformationEnergy energy = DeformationEnergy::TotalCurvature;
   DetailPreservation detail = DetailPreservation::GaussNewton;
@@ -76,6 +77,7 @@ struct DeformOptions {
   std::optional<std::string> problem() const;
 };
 
+/// How the preservation of detail went.
 struct DeformReport {
   int iterations = 0;
   /// Largest move of a vertex in the last iteration, as a fraction of the bounding-box diagonal.
@@ -97,6 +99,7 @@ class Deformer {
   Deformer(Deformer&&) noexcept;
   Deformer& operator=(Deformer&&) noexcept;
 
+  /// The deformed mesh; its triangles are those of the input.
   struct Result {
     Points positions;  ///< n × 3
     DeformReport report;
@@ -107,6 +110,7 @@ class Deformer {
   /// @throws InvalidInput on targets of the wrong number or not finite. Cancelled through `progress`.
   Result deform(const Points& targets, const Points* start = nullptr, const Progress& progress = {}) const;
 
+  /// The vertices that are given targets, in the order of the constructor.
   const std::vector<int>& constrained() const;
   /// The factor of the curvature term in use: below DeformOptions::curvature_term where the operator would
   /// have been indefinite. 0 for other energies.

@@ -9,6 +9,7 @@
 
 namespace batten {
 
+/// How a MultiresolutionDeformer works.
 struct MultiresolutionOptions {
   /// Of the energy and the detail preservation; max_iterations counts those on the base.
   DeformOptions deform;

@@ -23,9 +23,11 @@ struct LogFields {
 struct LogColumns {
   std::array<std::optional<LogFields>, 7> fields;  ///< by LogQuantity
 
+  /// The fields of a quantity; nothing where the log has none.
   const std::optional<LogFields>& operator[](LogQuantity quantity) const {
     return fields[static_cast<std::size_t>(quantity)];
   }
+  /// The same, to be set.
   std::optional<LogFields>& operator[](LogQuantity quantity) {
     return fields[static_cast<std::size_t>(quantity)];
   }

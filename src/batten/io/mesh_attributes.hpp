@@ -40,6 +40,7 @@ struct MeshAttributes {
   std::string folder;                      ///< of the file that was read
 };
 
+/// A mesh with what its file says beside it.
 struct MeshFile {
   TriangleMesh mesh;
   MeshAttributes attributes;

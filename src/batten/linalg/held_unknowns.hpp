@@ -29,11 +29,12 @@ class HeldUnknowns {
   const std::vector<int>& free_index() const { return free_index_; }
   const std::vector<int>& held_index() const { return held_index_; }
 
-  /// The rows of X (n × k) at the free, at the held unknowns.
+  /// The rows of X (n × k) at the free unknowns.
   template <typename Derived>
   Eigen::MatrixXd free_rows(const Eigen::MatrixBase<Derived>& X) const {
     return rows_of(X, free_);
   }
+  /// The rows of X at the held unknowns.
   template <typename Derived>
   Eigen::MatrixXd held_rows(const Eigen::MatrixBase<Derived>& X) const {
     return rows_of(X, held_);

@@ -43,10 +43,12 @@ struct IterativeReport {
 struct SolveQuality {
   int unconverged = 0;  ///< how many stopped at their limit of iterations
   double residual = 0;  ///< the largest relative residual
+  /// Takes in one more solve.
   void add(const IterativeReport& report) {
     unconverged += report.converged ? 0 : 1;
     residual = std::max(residual, report.residual);
   }
+  /// Takes in what several came to.
   void add(const SolveQuality& others) {
     unconverged += others.unconverged;
     residual = std::max(residual, others.residual);

@@ -53,6 +53,7 @@ class SparseCholesky {
   /// @throws SolverFailure when the result is not finite.
   Eigen::MatrixXd solve(const Eigen::MatrixXd& B) const;
 
+  /// Rows of the matrix that was factorised.
   Eigen::Index unknowns() const;
   /// The backend in use: Eigen or Cholmod.
   CholeskyBackend backend() const;

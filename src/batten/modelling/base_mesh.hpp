@@ -41,6 +41,7 @@ struct BaseMesh {
   int n_divided = 0;    ///< such faces
   int n_diagonals = 0;  ///< new edges
 
+  /// The polyline of an edge, in the sense of the side.
   SharedPolyline polyline_of(int side) const;
 };
 

@@ -10,6 +10,7 @@ namespace batten {
 
 /// How a surface meets across the drawn curves of its model.
 struct ModelContinuity {
+  /// The figures of one curve.
   struct CurveEntry {
     int curve = 0;
     double sharpness = 0;  ///< largest of its edges

@@ -18,6 +18,7 @@ class CoonsPatch {
   /// @pre each side begins where the one before it ends.
   explicit CoonsPatch(std::array<SharedPolyline, 4> sides) : sides_(std::move(sides)) {}
 
+  /// The point x(u, v), u and v in [0, 1].
   Eigen::Vector3d at(double u, double v) const;
   /// `n` + 1 points over the straight line between two places of the parameter square; the ends are those of
   /// the patch.

@@ -65,6 +65,7 @@ NetworkTopology network_topology(const CurveNetwork& network);
 /// A patch to be filled: one or more closed boundary loops of network vertices. Seen from outside, loops run
 /// counter-clockwise around the patch (the patch lies to their left). No vertex is repeated at the end.
 struct NetworkCycle {
+  /// One closed walk along segments.
   struct Loop {
     std::vector<int> vertices;
     /// The segments in the order of the walk; ~s for segment s walked backwards.

@@ -9,6 +9,7 @@ class EndParabola {
  public:
   explicit EndParabola(const Eigen::Vector3d& end) : end_(end), previous_(end) {}
 
+  /// Takes in the next sample along the curve.
   void add(const Eigen::Vector3d& x) {
     length_ += (x - previous_).norm();
     previous_ = x;

@@ -52,6 +52,7 @@ struct CurveContinuity {
   double max_distance = 0, mean_distance = 0;       ///< over all samples
   Eigen::Vector3d worst = Eigen::Vector3d::Zero();  ///< where the normal jump is largest
 };
+/// The figures of the samples of one curve.
 CurveContinuity continuity_figures(const std::vector<ContinuitySample>& samples);
 
 /// Measures how continuous a surface is across curves drawn on it, from quadrics fitted on each side

@@ -34,6 +34,7 @@ struct MeshVariation {
   double curvature_variance = 0;
 };
 
+/// How mesh_variation() counts.
 struct MeshVariationOptions {
   /// One entry per vertex of either mesh, other than 0 where its curvature shall not count; empty: only
   /// borders are left out. See vertices_on_creases().

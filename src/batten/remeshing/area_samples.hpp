@@ -25,6 +25,7 @@ struct SamplePoint {
   Eigen::Vector3d point;
   int triangle = -1;
 };
+/// What the samples of one triangle have in common.
 struct SampledTriangle {
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< unit
   double area = 0;                                   ///< of the piece that each of its samples stands for

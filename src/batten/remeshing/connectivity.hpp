@@ -18,6 +18,7 @@ double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b);
 /// its edges should be. STEP 0 of H 2.2.2 works on it.
 class RemeshState {
  public:
+  /// @param sizes wanted edge length per vertex of `mesh`, above 0.
   RemeshState(HalfedgeMesh mesh, const FeatureChains& features, const Eigen::VectorXd& sizes);
 
   HalfedgeMesh mesh;

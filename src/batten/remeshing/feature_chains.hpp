@@ -16,6 +16,7 @@ struct FeatureChain {
   std::vector<Eigen::Vector3d> points;
 
   double length() const { return lengths.back(); }
+  /// The point at an arc length, 0 … length().
   Eigen::Vector3d at(double s) const;
 };
 

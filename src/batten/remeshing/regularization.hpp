@@ -32,6 +32,7 @@ RegularizedAreas regularized_areas(const SparseMatrix& stiffness, const Eigen::V
                                    const Eigen::VectorXd& curvature, const Eigen::VectorXd& shares,
                                    double sigma = 0.05, const Progress& progress = {});
 
+/// How relocation_matrix() weighs neighbours.
 struct RelocationWeights {
   double area = 0.5;  ///< λ_1 of (2.44): the pull of neighbours with too much area
   double edge = 0.5;  ///< λ_2: the pull of neighbours far away

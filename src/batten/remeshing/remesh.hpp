@@ -27,6 +27,7 @@ constexpr auto choices_of(RemeshMethod) {
                                {{RemeshMethod::Adaptive, "ar"}, {RemeshMethod::LaplacianFlow, "lf"}});
 }
 
+/// What the new triangles should be like.
 struct RemeshOptions {
   RemeshMethod method = RemeshMethod::Adaptive;
   /// Edge length in the unit of the mesh. The result has as many vertices as triangles of this mean edge take
@@ -58,6 +59,7 @@ struct RemeshOptions {
   std::optional<std::string> problem() const;
 };
 
+/// How remeshing went.
 struct RemeshReport {
   int iterations = 0;
   bool converged = false;  ///< stopped by the tolerance
@@ -73,6 +75,7 @@ struct RemeshReport {
   SolveQuality solves;  ///< of the diffusion of areas and the fit to the surface
 };
 
+/// The new mesh.
 struct RemeshResult {
   TriangleMesh mesh;
   RemeshReport report;

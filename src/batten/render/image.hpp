@@ -16,6 +16,7 @@ struct Image {
   /// Filled with one colour. @throws InvalidInput unless both sides are 1 … 16384.
   Image(int width, int height, const Colour& fill);
 
+  /// The three bytes of a pixel. @pre it lies within the picture.
   std::uint8_t* at(int x, int y) { return &pixels[3 * (static_cast<std::size_t>(y) * width + x)]; }
   const std::uint8_t* at(int x, int y) const {
     return &pixels[3 * (static_cast<std::size_t>(y) * width + x)];

@@ -60,6 +60,7 @@ struct Subject {
   const Eigen::VectorXd& amounts(Shading shading) const;
 };
 
+/// What a picture shows, and how large it is.
 struct RenderOptions {
   Shading shading = Shading::Shaded;
   int width = 1200, height = 900;  ///< pixels

@@ -134,6 +134,7 @@ ScanNetwork network_from_scan(const Scan& scan, const ScanOptions& options = {},
 /// regression for one step. What is kept does not grow with the number of calls.
 class ReconstructionSolver {
  public:
+  /// @throws InvalidInput as network_from_scan() on a scan that cannot be used.
   explicit ReconstructionSolver(Scan scan);
   ~ReconstructionSolver();
   ReconstructionSolver(ReconstructionSolver&&) noexcept;

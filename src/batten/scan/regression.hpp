@@ -67,6 +67,7 @@ SampledScan regress_frames(const SampledScan& scan, const RegressionOptions& opt
 /// regress_frames() kept: pattern and ordering are found once for the samples of a scan.
 class FrameRegression {
  public:
+  /// @throws InvalidInput as regress_frames() on samples that cannot be used.
   explicit FrameRegression(const SampledScan& scan);
   ~FrameRegression();
   FrameRegression(FrameRegression&&) noexcept;

@@ -51,6 +51,7 @@ struct VertexNumbering {
   int n_nodes = 0;                         ///< vertices 0 … n_nodes − 1 are shared points
   int n_vertices = 0;
 };
+/// Linear in the samples.
 VertexNumbering number_vertices(const SampledScan& scan);
 
 /// The unknown frame that each sample has: its own, except for the last sample of a smooth closed curve.
@@ -60,6 +61,7 @@ struct FrameNumbering {
   /// Pairs of unknown frames at one node whose normals must agree (Φ of S 3.29): every pair of visits.
   std::vector<std::pair<int, int>> node_pairs;
 };
+/// Linear in the samples.
 FrameNumbering number_frames(const SampledScan& scan);
 
 }  // namespace batten

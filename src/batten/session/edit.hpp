@@ -27,10 +27,12 @@ struct DeriveEdit {
   ObjectId source;
   Request request;
 };
+/// Takes an object away.
 struct RemoveEdit {
   ObjectId object;
   bool with_derived = false;  ///< and all that is made of it; off: refused where there is such an object
 };
+/// Another name for an object.
 struct RenameEdit {
   ObjectId object;
   std::string name;
@@ -58,6 +60,7 @@ struct RequestEdit {
   Request request;
   int drag = 0;
 };
+/// Another state of a view.
 struct ViewEdit {
   ObjectId object;
   ViewState view;

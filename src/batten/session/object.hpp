@@ -92,6 +92,7 @@ struct Object {
   /// A model is null here: its curves and faces are Document::model().
   std::variant<Content, Derived> body;
 
+  /// What the object is, or is made into.
   ObjectKind kind() const;
   const Derived* derived() const { return std::get_if<Derived>(&body); }
   const Content* content() const { return std::get_if<Content>(&body); }

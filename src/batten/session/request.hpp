@@ -91,6 +91,7 @@ struct DeformRequest {
   SharedVertices fixed;  ///< null: none
   std::vector<MovedVertices> moved;
 
+  /// The handles of deformed_mesh().
   Handles handles() const;
 };
 
@@ -115,6 +116,7 @@ constexpr auto choices_of(RequestKind) {
                                           {RequestKind::Deform, "deform"},
                                           {RequestKind::Repair, "repair"}});
 }
+/// Which request it is.
 RequestKind kind_of(const Request& request);
 /// A request with default options.
 Request default_request(RequestKind kind);

@@ -13,13 +13,17 @@ namespace batten {
 
 // The edits of a model, one for each tool of sketch/tools.hpp. Lengths in the unit of the model; a snap of 0
 // takes default_snap().
+
+/// Draws a curve: insert_curve().
 struct InsertEdit {
   DrawnStroke stroke;
   InsertOptions options;
 };
+/// Takes a curve away.
 struct DeleteEdit {
   int curve = 0;
 };
+/// Makes a curve sharp or smooth, 0 … 1.
 struct SharpnessEdit {
   int curve = 0;
   double value = 0;
@@ -32,24 +36,29 @@ struct MirrorEdit {
   std::optional<Points> axis;  ///< 2 × 3
   InsertOptions options;
 };
+/// Cuts a hole along a stroke: cut_hole().
 struct HoleEdit {
   DrawnStroke stroke;
   InsertOptions options;
 };
+/// Joins two borders: glue_borders().
 struct GlueEdit {
   DrawnStroke first, second;
   std::optional<std::array<int, 2>> halves;
   InsertOptions options;
 };
+/// Covers profiles along two spines: skin_profiles().
 struct SkinEdit {
   std::vector<DrawnStroke> profiles;
   std::array<DrawnStroke, 2> spines;
   InsertOptions options;
 };
+/// Moves the model so that a curve of it comes to lie on a stroke: align_curves().
 struct AlignEdit {
   int reference = 0;
   DrawnStroke stroke;
 };
+/// Moves the whole model, by a matrix of homogeneous coordinates.
 struct TransformEdit {
   Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
 };

@@ -16,14 +16,17 @@ class SimplificationHistory {
   const std::vector<std::size_t>& level_steps() const { return level_steps_; }
 
   // Recording.
+  /// The corners of a face before and after a step.
   struct FaceChange {
     int face;
     int before[3], after[3];  ///< corners; −1 where the face does not exist
   };
+  /// The place of a vertex before and after a step.
   struct VertexChange {
     int vertex;
     double before[3], after[3];
   };
+  /// Begins at the input.
   void start(Points positions, Triangles triangles);
   void add(const FaceChange& change) { faces_.push_back(change); }
   void add(const VertexChange& change) { vertices_.push_back(change); }

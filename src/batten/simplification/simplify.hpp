@@ -68,6 +68,7 @@ struct SimplifyLevel {
   std::vector<int> vertex_of_finer;
 };
 
+/// The simplified mesh, and how far it is from the input.
 struct SimplifyResult {
   TriangleMesh mesh;
   /// Per input vertex the vertex of `mesh` that stands for it; −1 where no face used it.

@@ -15,13 +15,16 @@ namespace batten {
 constexpr int side_of(int edge, bool backwards) {
   return 2 * edge + (backwards ? 1 : 0);
 }
+/// The same edge, walked the other way.
 constexpr int opposite_side(int side) {
   return side ^ 1;
 }
+/// The edge that a side belongs to.
 constexpr int edge_of(int side) {
   return side / 2;
 }
 
+/// A place where pieces of curves meet.
 struct SketchVertex {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
   std::vector<int> edges;  ///< in no order
@@ -31,6 +34,7 @@ struct SketchVertex {
   bool operator==(const SketchVertex&) const = default;
 };
 
+/// A piece of a curve between two vertices.
 struct SketchEdge {
   std::array<int, 2> vertices{-1, -1};
   /// The face that walks the edge forwards and the one that walks it backwards; −1 on the border.
@@ -44,6 +48,7 @@ struct SketchEdge {
   bool operator==(const SketchEdge& other) const;
 };
 
+/// A face, by the sides around it.
 struct SketchFace {
   std::vector<int> sides;  ///< in order around the face, counter-clockwise seen from outside
   bool alive = false;
@@ -71,6 +76,7 @@ class PolylineMesh {
   /// The touched elements of one edit, before and after.
   struct Change {
     template <typename Element>
+    /// The elements of one kind that were touched, with their numbers.
     struct Part {
       std::vector<std::pair<int, Element>> before, after;
       int size_before = 0, size_after = 0;
@@ -110,6 +116,7 @@ class PolylineMesh {
   /// For every face the box around the polylines of its sides.
   const DynamicBoxTree& face_boxes() const { return face_boxes_; }
 
+  /// Linear in the model.
   SketchCounts counts() const;
   /// The diagonal of the box around everything: "the diameter"; 0 when empty.
   double diameter() const;
@@ -125,17 +132,22 @@ class PolylineMesh {
   bool operator==(const PolylineMesh& other) const;
 
   // Changing.
+  /// Begins an edit.
   void begin();
   /// Ends the edit.
   Change commit();
+  /// Takes the edit under way back.
   void roll_back();
+  /// Takes a change back, or makes it again. @pre the model is as it was after, or before, it.
   void undo(const Change& change);
   void redo(const Change& change);
 
+  /// New elements; each returns its number.
   int add_curve();
   int add_vertex(const Eigen::Vector3d& position, bool is_seam = false);
   int add_edge(int from, int to, SharedPolyline polyline, int curve, double sharpness, bool drawn);
   int add_face(std::vector<int> sides);
+  /// Elements taken away; their numbers are not given again.
   void remove_face(int face);
   void remove_edge(int edge);      ///< @pre no face is left at it
   void remove_vertex(int vertex);  ///< @pre no edge is left at it

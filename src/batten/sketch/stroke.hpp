@@ -11,6 +11,7 @@ namespace batten {
 /// An edit that cannot be done. The model is as it was; what() is "reason; remedy".
 class RefusedEdit : public InvalidInput {
  public:
+  /// @param reason names the curve and the distance. @param remedy what to do instead.
   RefusedEdit(const std::string& reason, const std::string& remedy);
   const std::string& reason() const { return reason_; }  ///< names the curve and the distance
   const std::string& remedy() const { return remedy_; }  ///< what to do instead
@@ -77,6 +78,7 @@ struct HeldPoint {
 
 /// The finished curve of a stroke, in pieces from held point to held point (and corner to corner).
 struct FittedStroke {
+  /// A part between two held points or corners.
   struct Piece {
     Points points;  ///< 17 or more, first and last included
     /// Index into the held points of the ends, or ~k for corner k of the stroke.
@@ -105,6 +107,7 @@ struct SelfContact {
   Eigen::Vector3d place = Eigen::Vector3d::Zero();
   double distance = 0;
 };
+/// Looks between 512 places of the stroke.
 SelfContact self_contact(const Stroke& stroke, double distance);
 
 }  // namespace batten

@@ -51,6 +51,7 @@ struct InsertOptions {
   /// The first problem found, naming field and value, or nothing.
   std::optional<std::string> problem() const;
 };
+/// Carries it out. @throws RefusedEdit with reason and remedy; the model is as it was.
 EditReport insert_curve(PolylineMesh& mesh, const DrawnStroke& stroke, const InsertOptions& options = {});
 
 /// Takes a curve away: faces on both sides become one; a face at the border goes with its border.

@@ -80,6 +80,7 @@ BsplineSurface limit_bsplines(const ControlCage& cage, const BsplineOptions& opt
 struct PatchPoint {
   Eigen::Vector3d position, along_u, along_v;
 };
+/// The point at (u, v).
 PatchPoint evaluate(const BsplinePatch& patch, double u, double v);
 /// Parameters (u, v) of the point at t along side k of a patch, from vertex k on. @pre k is 0, 1, 2 or 3.
 std::array<double, 2> on_patch_side(int k, double t);

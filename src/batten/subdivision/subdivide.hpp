@@ -76,6 +76,7 @@ class Subdivision {
   Subdivision(Subdivision&&) noexcept;
   Subdivision& operator=(Subdivision&&) noexcept;
 
+  /// The surface for the positions given last.
   const SubdividedSurface& surface() const;
   /// Gives the surface away; nothing else may be asked afterwards.
   SubdividedSurface release();
