@@ -4,7 +4,7 @@ namespace batten::test {
 
 /// Whether the tests run under sanitizers, where all takes ten times as long. They look at the code, and the
 /// code is the same for the second seed and the ninth shape: figures over many of them are taken without.
-#ifdef __SANITIZE_ADDRESS__
+#ifdef BATTEN_SANITIZED
 inline constexpr bool kSanitized = true;
 #else
 inline constexpr bool kSanitized = false;

@@ -282,6 +282,19 @@ TEST(Document, RemovingTakesWhatIsMadeOfItAlongAndUndoBringsAllBack) {
   // A number is not given again to what is added later.
   document.apply(RedoEdit{});
   EXPECT_EQ(document.apply(AddEdit{{}, "mesh", "", triangle()}).object, ObjectId{5});
+  // Where its being added is undone, it was never given.
+  document.apply(UndoEdit{});
+  EXPECT_EQ(document.apply(AddEdit{{}, "other", "", triangle()}).object, ObjectId{5});
+}
+
+TEST(Document, UnitsArePartOfIt) {
+  const auto of_unit = [](const char* unit) {
+    Document document;
+    document.apply(AddEdit{{}, "mesh", unit, triangle()});
+    return document;
+  };
+  EXPECT_TRUE(of_unit("mm") == of_unit("mm"));
+  EXPECT_FALSE(of_unit("mm") == of_unit("m"));
 }
 
 TEST(Document, AResultThatIsKeptBecomesAGivenObject) {

@@ -4,9 +4,12 @@
 #include "one_model.hpp"
 #include "random_project.hpp"
 
+#include <limits>
 #include <set>
 
 #include <gtest/gtest.h>
+
+#include "batten/session/project.hpp"
 
 namespace batten {
 namespace {
@@ -72,6 +75,27 @@ TEST(EditJson, EveryContentAndRequestReadsBackAsItWasWritten) {
   EXPECT_EQ(requests.size(), std::variant_size_v<Request>);
 }
 
+// What JSON has no numbers for, and what integers cannot tell, is kept to the bit, in a line and in a
+// project.
+TEST(EditJson, NumbersOfEveryKindReadBack) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  TriangleMesh mesh;
+  mesh.positions = Points::Zero(100, 3);
+  mesh.triangles = Triangles(0, 3);
+  mesh.vertex_values["odd"] = Eigen::VectorXd::Zero(100);
+  mesh.vertex_values["odd"].head(5) << kInfinity, -kInfinity, -0.0, 0.1, 1e300;
+  mesh.vertex_values["minus zero"] = Eigen::VectorXd::Constant(100, -0.0);
+  mesh.vertex_values["large"] = Eigen::VectorXd::Constant(100, 3e9);
+  mesh.vertex_values["least"] = Eigen::VectorXd::Constant(100, -2147483648.0);
+  mesh.vertex_values["huge"] = Eigen::VectorXd::Constant(100, 9007199254740993.0);
+  const AddEdit add{{1}, "mesh", "m", std::make_shared<const TriangleMesh>(mesh)};
+  EXPECT_TRUE(same_content(std::get<AddEdit>(parse_edit(format_edit(add))).content, add.content));
+  Document document;
+  document.apply(add);
+  const ProjectFile read = parse_project(format_project(document), "p.batten");
+  EXPECT_TRUE(same_content(*read.document.object({1}).content(), add.content));
+}
+
 TEST(EditJson, OptionsThatAreNotWrittenHaveTheirDefaults) {
   const Edit edit = parse_edit(R"({"op":"request","object":"o2","request":{"kind":"network","sigma":0.5}})");
   const auto& options = std::get<NetworkRequest>(std::get<RequestEdit>(edit).request).options;
@@ -116,6 +140,9 @@ TEST(EditJson, MistakesAreNamed) {
   expect(R"({"op":"skin","profiles":[],"spines":[]})", "two objects");
   expect(R"({"op":"insert","points":[]})", "needs the field \"object\"");
   expect(R"({"op":"rename","object":3,"name":"x"})", "the id of an object");
+  expect(R"({"op":"insert","object":"o1","points":[[0,0,0],5]})", "point 1 is 5");
+  expect(R"({"op":"rename","object":"o2147483647","name":"x"})", "the id of an object");
+  EXPECT_EQ(message(R"({"op":"rename","object":"o2147483646","name":"x"})"), "accepted");
   expect(R"({"op":"rename","object":"o3"})", "needs the field \"name\"");
   expect(R"({"op":"undo","object":"o3"})", "no field \"object\"");
   expect(R"({"op":"add","object":"o1","kind":"cloud","name":"x","unit":"","content":{}})",

@@ -87,6 +87,8 @@ TEST(Session, UnfinishedLastLineIsToldAndPassedOver) {
     EXPECT_EQ(session.edits.size(), 1u);
     EXPECT_NE(session.warning("s").find("s:3: the last line is not finished"), std::string::npos);
   }
+  // Blank lines count as lines.
+  EXPECT_EQ(parse_session("\n" + text.substr(0, second) + "\n{\"op\":", "s").torn_line, 5);
   // What a file system leaves when the computer dies.
   EXPECT_TRUE(parse_session(text.substr(0, second) + std::string(100, '\0'), "s").torn);
 }

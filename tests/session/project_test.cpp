@@ -4,6 +4,8 @@
 #include "one_model.hpp"
 #include "scratch.hpp"
 
+#include <filesystem>
+
 #include <gtest/gtest.h>
 
 #include "batten/core/random.hpp"
@@ -84,6 +86,29 @@ TEST(Project, LongListsAreEntriesAndEqualOnesAreHeldOnce) {
   double first = 0;
   std::memcpy(&first, entries.at("arrays/0.f64").data() + 8, sizeof first);
   EXPECT_EQ(first, mesh.positions(0, 1));
+  // Short ones stay where they are.
+  mesh.positions = Points::Random(21, 3);
+  mesh.triangles = Triangles::Zero(21, 3);
+  Document small;
+  small.apply(AddEdit{{}, "mesh", "", std::make_shared<const TriangleMesh>(mesh)});
+  EXPECT_EQ(parse_archive(format_project(small)).size(), 2u);
+}
+
+// The bytes of 0.5 are those of the integers 0 and 1071644672: lists of either kind are two entries.
+TEST(Project, ListsOfEqualBytesAndOtherTypesAreHeldApart) {
+  TriangleMesh halves, integers;
+  halves.positions = Points::Zero(65, 3);
+  integers.positions = Points::Zero(130, 3);
+  halves.triangles = integers.triangles = Triangles(0, 3);
+  halves.vertex_values["q"] = Eigen::VectorXd::Constant(65, 0.5);
+  integers.vertex_values["q"] = Eigen::VectorXd::Zero(130);
+  for (int k = 1; k < 130; k += 2) integers.vertex_values["q"](k) = 1071644672;
+  Document document;
+  for (const auto& [name, mesh] : {std::pair{"halves", halves}, std::pair{"integers", integers}})
+    document.apply(AddEdit{{}, name, "", std::make_shared<const TriangleMesh>(mesh)});
+  const ProjectFile read = parse_project(format_project(document), "p.batten");
+  EXPECT_TRUE(read.document == document);
+  EXPECT_EQ(std::get<SharedMesh>(*read.document.object({2}).content())->vertex_values.at("q").size(), 130);
 }
 
 TEST(Project, StoredObjectsHoldWhereTheJournalLeadsElsewhere) {
@@ -144,6 +169,13 @@ TEST(Project, WritingReplacesTheOldFileWhole) {
   write_project(path, sphere());
   EXPECT_TRUE(read_project(path).document == sphere());
   EXPECT_THROW(write_project("/nonexistent/folder/p.batten", sphere()), FileError);
+  // A link stays one, and what it leads to is replaced.
+  const std::string link = scratch_file("link.batten");
+  std::filesystem::remove(link);
+  std::filesystem::create_symlink(path, link);
+  write_project(link, one_model());
+  EXPECT_TRUE(std::filesystem::is_symlink(link));
+  EXPECT_TRUE(read_project(path).document == one_model());
 }
 
 }  // namespace

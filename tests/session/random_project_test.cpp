@@ -154,7 +154,7 @@ TEST(RandomProject, FiveHundredEditsOfAllKindsAreUndoneAndRedoneBitForBit) {
 // A mesh of 100,000 faces, and 500 edits that bring no data: none of them keeps a copy of anything large, and
 // what lists of vertices they bring they share. The bound is one more copy of the mesh.
 TEST(RandomProject, MemoryOfEditsOnALargeMeshIsBounded) {
-#if defined(__SANITIZE_ADDRESS__) || !defined(__GLIBC__)
+#if defined(BATTEN_SANITIZED) || !defined(__GLIBC__)
   GTEST_SKIP() << "sanitizers keep their own account of memory";
 #else
   constexpr int kSide = 224;  // 2 · 223² faces
@@ -212,7 +212,7 @@ TEST(RandomProject, MemoryOfEditsOnALargeMeshIsBounded) {
 // A scan of one curve of 200,000 readings and one of 20: edits of the small one keep 20 readings each,
 // however large the other is. The bound is a hundredth of a copy of the scan for each edit.
 TEST(RandomProject, MemoryOfEditsOfACurveIsThatOfTheCurve) {
-#if defined(__SANITIZE_ADDRESS__) || !defined(__GLIBC__)
+#if defined(BATTEN_SANITIZED) || !defined(__GLIBC__)
   GTEST_SKIP() << "sanitizers keep their own account of memory";
 #else
   const auto curve_of = [](Eigen::Index n, double value) {

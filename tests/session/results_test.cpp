@@ -68,6 +68,8 @@ TEST(Results, AreMadeWhereTheyAreOutOfDateAndNowhereElse) {
   document.apply(RequestEdit{sphere.smooth, sphere.taubin, 0});
   EXPECT_NE(kept.get(document, sphere.smooth), smooth);
   EXPECT_EQ(kept.get(document, sphere.surface), surface);
+  EXPECT_TRUE(document.out_of_date(kept.versions()).empty());
+  EXPECT_EQ(kept.get(document, sphere.smooth), kept.get(document, sphere.smooth));
   document.apply(on_model(TransformEdit{Eigen::Vector4d(2, 1, 1, 1).asDiagonal().toDenseMatrix()}));
   EXPECT_NE(kept.get(document, sphere.surface), surface);
   // A result outlives what replaces it.

@@ -57,14 +57,20 @@ TEST(Transform, MirrorsTurnFacesSoThatTheyStayOutside) {
   EXPECT_EQ(mesh.broken_invariant(), "");
 }
 
-TEST(Align, FindsThePoseOfACurveWithoutSymmetryInEveryTry) {
-  // An open space curve without symmetry, moved at random. Exact data: the residual is that of arithmetic.
-  Points points(200, 3);
-  for (int i = 0; i < 200; ++i) {
-    const double t = i / 199.0;
+/// An open space curve without symmetry, its parameter from a to b.
+Points without_symmetry(double a, double b, int n) {
+  Points points(n, 3);
+  for (int i = 0; i < n; ++i) {
+    const double t = a + (b - a) * i / (n - 1);
     points.row(i) << t + 0.3 * t * t, 0.4 * std::sin(4 * t) + 0.2 * t,
         0.3 * t * t * t + 0.1 * std::cos(9 * t);
   }
+  return points;
+}
+
+TEST(Align, FindsThePoseOfACurveWithoutSymmetryInEveryTry) {
+  // Moved at random. Exact data: the residual is that of arithmetic.
+  const Points points = without_symmetry(0, 1, 200);
   const Polyline curve(points);
   Random random(5);
   constexpr int kTries = test::repeated(1000, 50);
@@ -89,22 +95,36 @@ TEST(Align, FindsThePoseOfACurveWithoutSymmetryInEveryTry) {
   EXPECT_EQ(wrong, 0);
 }
 
+// A stroke that goes on beyond both ends has another middle and other axes: the curve has to slide along it.
+TEST(Align, SlidesAlongAStrokeThatGoesOnBeyondItsEnds) {
+  const Points points = without_symmetry(0, 1, 200);
+  const Alignment found = align_curves(Polyline(points), Polyline(without_symmetry(-0.04, 1.08, 300)));
+  double worst = 0;
+  for (Eigen::Index i = 0; i < points.rows(); ++i) {
+    const Vector3d p = points.row(i);
+    worst = std::max(
+        worst, (found.matrix.topLeftCorner<3, 3>() * p + found.matrix.topRightCorner<3, 1>() - p).norm());
+  }
+  EXPECT_LT(worst, 1e-3);
+}
+
 TEST(Align, TriesManyTurnsWhereAxesAreEqual) {
   // Three lobes of one plane curve: both axes in the plane are equal, so that principal axes say nothing.
-  const auto lobes = [](double phase) {
+  const auto lobes = [](double phase, double begin) {
     Points points(241, 3);
     for (int i = 0; i <= 240; ++i) {
-      const double t = 2 * kPi * i / 240, r = 1 + 0.4 * std::cos(3 * t);
+      const double t = begin + 2 * kPi * i / 240, r = 1 + 0.4 * std::cos(3 * t);
       points.row(i) << r * std::cos(t + phase), r * std::sin(t + phase), 0.15 * std::sin(3 * t);
     }
     return points;
   };
-  const Polyline curve(lobes(0));
-  for (const double phase : {0.3, 1.0, 2.2, 4.0}) {
-    const Alignment found = align_curves(curve, Polyline(lobes(phase)));
-    EXPECT_LT(found.rms, 1e-4 * curve.length()) << phase;
-    EXPECT_TRUE(found.ambiguous);  // thirds of a turn fit as well
-  }
+  const Polyline curve(lobes(0, 0));
+  for (const double phase : {0.3, 1.0, 2.2, 4.0})
+    for (const double begin : {0.0, 0.5, 1.7, 2.9, 4.6}) {
+      const Alignment found = align_curves(curve, Polyline(lobes(phase, begin)));
+      EXPECT_LT(found.rms, 1e-4 * curve.length()) << phase << " " << begin;
+      EXPECT_TRUE(found.ambiguous);  // thirds of a turn fit as well
+    }
 }
 
 /// A circle of radius r, its first point repeated.
