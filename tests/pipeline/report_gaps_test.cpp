@@ -42,7 +42,7 @@ struct Work {
 
 // What the commands that take long are made of reports all along, checks of the result among it, and stops at
 // any report. At 2,600 vertices each takes a tenth of a second or so; a third of it without a report would be
-// a stage that has none. (The longest stretch is the factorisation of deform: 0.2 to 0.28, by the machine.)
+// a stage that has none. (The longest stretch is a part of compare: 0.2 to 0.27, by the machine.)
 TEST(ReportGaps, EveryRequestReportsAllAlongAndStopsWhereItIsTold) {
   const TriangleMesh mesh = torus(72);
   TriangleMesh noisy = mesh;

@@ -92,8 +92,8 @@ struct SurfaceSolver::Implementation {
     }
     check_size();
     lay_out(progress);
-    relax();
-    let_curvature_bend();
+    relax(progress);
+    let_curvature_bend(progress);
     finish();
   }
 
@@ -234,9 +234,10 @@ struct SurfaceSolver::Implementation {
   };
 
   /// Moves the normals towards the field of unit vectors with the least energy.
-  void refine_normals(NormalEnergy energy) {
+  void refine_normals(NormalEnergy energy, const Progress& progress = {}) {
     const Points given = network_values(scaled_network.normals);
     for (int pass = 0; pass < kNormalPasses; ++pass) {
+      progress.report("curvature", pass / (kNormalPasses + 1.0));
       const Eigen::MatrixXd KN = systems->stiffness() * normals;
       Points target(normals.rows(), 3);
       for (Index v = 0; v < normals.rows(); ++v)
@@ -347,7 +348,7 @@ struct SurfaceSolver::Implementation {
 
   /// Evens out needles that the layouts left, and solves again on the new triangles; where that is no better,
   /// what was before is kept.
-  void relax() {
+  void relax(const Progress& progress) {
     if (options.rebuilds >= 0 || options.method != SurfaceMethod::Curvature) return;
     ScopedStage stage(result.times, "geometry");
     const auto set_up = [&](const EdgeLengths& lengths) {
@@ -355,6 +356,7 @@ struct SurfaceSolver::Implementation {
       systems->set_metric(triangles, lengths);
     };
     for (int round = 0; round < kRelaxations; ++round) {
+      progress.report("evening out", static_cast<double>(round) / kRelaxations);
       const Points old_positions = positions, old_normals = normals;
       const Triangles old_triangles = triangles;
       const bool old_metric = metric_from_layout;
@@ -388,7 +390,7 @@ struct SurfaceSolver::Implementation {
   /// that changes least is the safer. Normals that were estimated from the curves are too rough for it
   /// altogether. Smooth shapes come out up to thirty times nearer to the truth
   /// (docs/surface.md#mean-curvature-that-bends); the factor of sixth order is too dear for every rebuild.
-  void let_curvature_bend() {
+  void let_curvature_bend(const Progress& progress) {
     if (options.method != SurfaceMethod::Curvature || options.soft_constraints || metric_from_layout) return;
     ScopedStage stage(result.times, "geometry");
     const Points old_positions = positions, old_normals = normals;
@@ -397,8 +399,10 @@ struct SurfaceSolver::Implementation {
     try {
       metric_lengths = edge_lengths(positions, triangles);
       systems->set_metric(triangles, metric_lengths);
-      refine_normals(NormalEnergy::Gradient);
+      refine_normals(NormalEnergy::Gradient, progress);
+      progress.report("curvature", kNormalPasses / (kNormalPasses + 1.0));
       fit_positions();
+      progress.report("curvature", 1);
       const Soundness now = soundness_of(positions, normals, triangles);
       sound = now.folded <= before.folded && now.degenerate <= before.degenerate &&
               (positions - old_positions).rowwise().norm().maxCoeff() < kFarthestBend;
